@@ -14,6 +14,8 @@ import numpy as np
 import kinetix
 
 GRAVITY = 9.81
+FEWEST = 7
+"""Dominoes of which the second half, but for the last two, has two whose times differ."""
 
 
 def wave_speed(height: float, thickness: float, gap: float, dominoes: int = 60) -> float:
@@ -80,6 +82,8 @@ def main() -> None:
     parser.add_argument("--dominoes", type=int, default=40)
     parser.add_argument("--physics", default="balanced")
     arguments = parser.parse_args()
+    if arguments.dominoes < FEWEST:
+        parser.error(f"--dominoes {arguments.dominoes}: expected at least {FEWEST}")
     height, thickness = 0.4, 0.05
     print("gap [m]  formula [m/s]  measured [m/s]  difference")
     for gap in (0.1, 0.15, 0.2):

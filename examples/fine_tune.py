@@ -15,14 +15,19 @@ Curve = list[tuple[float, float]]
 """Environment steps, and the solve rate of the episodes that ended about then."""
 
 
+def first_step(run: Path) -> int:
+    """The step from which no first episode of a run can be going on any more."""
+    settings = tomllib.loads((run / "config.toml").read_text())
+    return settings["num_train_envs"] * LONGEST
+
+
 def curve(run: Path, window: int = 5) -> Curve:
     """A run's learning curve: the share of solved episodes over a few updates.
 
     It begins when no first episode can be going on any more: until then those that are over are the
     short ones, which are mostly wins.
     """
-    settings = tomllib.loads((run / "config.toml").read_text())
-    begin = settings["num_train_envs"] * LONGEST
+    begin = first_step(run)
     rows = [row for row in read_metrics(run) if "episode_solved" in row]
     points = []
     for index in range(len(rows)):
@@ -76,7 +81,8 @@ def main() -> int:
             if status := kinetix([*command, *start, *given.arguments]):
                 return status
             points = curve(run)
-            last = f"{points[-1][1]:.2f}" if points else "no episode ended"
+            unknown = f"unknown: it counts from step {first_step(run)}; train for longer"
+            last = f"{points[-1][1]:.2f}" if points else unknown
             print(f"{name}, seed {seed}: solve rate at the end {last}")
             if points:
                 curves[name].append(points)
@@ -85,6 +91,8 @@ def main() -> int:
             draw(curves, Path(given.level).stem.replace("_", " "), given.out / "fine_tuning.png")
         except ImportError:
             print("the chart needs matplotlib: pip install 'kinetix-editor[bench]'")
+    else:
+        print("no chart: a run is too short for a curve")
     return 0
 
 

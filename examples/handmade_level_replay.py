@@ -1,6 +1,7 @@
 """Open a hand-made level, play its recorded solution (or nothing), and say how it ends."""
 
 import argparse
+import dataclasses
 
 import jax
 import jax.numpy as jnp
@@ -18,6 +19,10 @@ def main() -> None:
     level, static_env_params, env_params = load_from_json_file(
         arguments.level, physics=arguments.physics
     )
+    solution = load_level(arguments.level).solution
+    if solution is not None:
+        # A recorded action lasts as many engine steps as it did when it was recorded.
+        static_env_params = dataclasses.replace(static_env_params, frame_skip=solution.frame_skip)
     env = make_kinetix_env(
         action_type="multi_discrete",
         observation_type="symbolic_entity",
@@ -26,7 +31,6 @@ def main() -> None:
         static_env_params=static_env_params,
         auto_reset=False,
     )
-    solution = load_level(arguments.level).solution
     noop = [(0, 0, 0, 0, 0, 0)] * env_params.max_timesteps
     actions = jnp.array(noop if solution is None else list(solution.unrolled()))
 

@@ -1,6 +1,7 @@
 """Draw what an agent saw: from a symbolic observation back to a picture."""
 
 import argparse
+from pathlib import Path
 
 import jax
 import jax.numpy as jnp
@@ -19,7 +20,7 @@ from kinetix.render import make_inverse_render_symbolic
 def main() -> None:
     """Run the example."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--out", default="observed.png")
+    parser.add_argument("--out", type=Path, default=Path("observed.png"))
     parser.add_argument("--seed", type=int, default=3)
     arguments = parser.parse_args()
 
@@ -35,6 +36,7 @@ def main() -> None:
     observation, _ = env.reset(jax.random.PRNGKey(arguments.seed), env_params)
     draw = jax.jit(make_inverse_render_symbolic(env_params, static_env_params))
     picture = np.asarray(draw(observation).astype(jnp.uint8))
+    arguments.out.parent.mkdir(parents=True, exist_ok=True)
     Image.fromarray(picture.transpose(1, 0, 2)[::-1]).save(arguments.out)
     print(arguments.out)
 

@@ -29,6 +29,7 @@ from kinetix.level.sets import (
     SetLevel,
     build_set,
     gather_levels,
+    inline_losses,
     load_set,
     read_levels,
     save_set,
@@ -111,6 +112,8 @@ def _build(command: Build) -> int:
     )
     made_folder(command.out.parent)
     _save(made, command.out, inline=command.inline)
+    for sentence in inline_losses(made, inline=command.inline):
+        print(sentence, file=sys.stderr)
     print(_summary(command.out, made, doubles=len(found) - len(made.levels)))
     print(_where_levels_are(made, inline=command.inline))
     return 0

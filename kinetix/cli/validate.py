@@ -15,7 +15,8 @@ from kinetix.bundled import named_levels, refuse_empty
 from kinetix.cli.one_core import OneCore
 from kinetix.errors import LevelError, plain
 from kinetix.failures import crash_sentence
-from kinetix.level.codec import LEVELSET_FORMAT, load_document, resolve_path
+from kinetix.level.codec import LEVELSET_FORMAT, LoadedLevel, load_document, resolve_path
+from kinetix.level.kinetix_env_places import peer_path, peer_places
 from kinetix.level.sets import is_set_file, json_files, load_set
 from kinetix.level.validate import Issue, has_errors, validate
 
@@ -85,16 +86,7 @@ def file_report(file: str) -> FileReport:
         if is_set_file(path):
             return FileReport(file=file, format=LEVELSET_FORMAT, issues=tuple(_set_issues(path)))
         loaded = load_document(path)
-        mended = [
-            Issue(
-                code=mend.code,
-                severity="warning",
-                path=mend.path,
-                message=f"Mended on reading: {mend.message}.",
-            )
-            for mend in loaded.mends
-        ]
-        issues = (*validate(loaded.level), *mended)
+        issues = tuple(_level_issues(loaded))
     except LevelError as error:
         found = [
             dataclasses.replace(issue, message=issue.message.removeprefix(f"{file}: "))
@@ -108,12 +100,32 @@ def file_report(file: str) -> FileReport:
     return FileReport(file=file, format=loaded.format, issues=issues)
 
 
+def _level_issues(loaded: LoadedLevel) -> Iterator[Issue]:
+    """Yield the problems of a file, each with its path in that file."""
+    places = None if loaded.source is None else peer_places(loaded.source)
+    for issue in validate(loaded.level):
+        where = issue.path if places is None else peer_path(issue.path, places)
+        yield dataclasses.replace(issue, path=where)
+    for mend in loaded.mends:
+        message = f"Mended on reading: {mend.message}."
+        yield Issue(code=mend.code, severity="warning", path=mend.path, message=message)
+
+
 def _set_issues(path: Path) -> Iterator[Issue]:
-    for k, each in enumerate(load_set(path).levels):
-        for issue in validate(each.level):
-            where = f"$.levels[{k}].level{issue.path[1:]}"
-            message = f"{each.name}: {issue.message}"
-            yield dataclasses.replace(issue, path=where, message=message)
+    loaded = load_set(path)
+    for k, (entry, each) in enumerate(zip(loaded.manifest.levels, loaded.levels, strict=True)):
+        if entry.path is None:
+            for issue in validate(each.level):
+                where = f"$.levels[{k}].level{issue.path[1:]}"
+                message = f"{each.name}: {issue.message}"
+                yield dataclasses.replace(issue, path=where, message=message)
+        elif each.path is not None:
+            issues = (
+                validate(each.level) if each.native else _level_issues(load_document(each.path))
+            )
+            for issue in issues:
+                message = f"{entry.path}: {issue.path}: {issue.message}"
+                yield dataclasses.replace(issue, path=f"$.levels[{k}].path", message=message)
 
 
 def reading_issues(error: LevelError) -> Iterator[Issue]:

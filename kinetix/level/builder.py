@@ -245,7 +245,7 @@ class LevelBuilder:
         pushed = self._find(body)
         if isinstance(body, str):
             raise LevelError(f"thruster on {body}: expected a body that is not part of the arena")
-        if binding not in range(THRUSTER_BINDINGS):
+        if type(binding) is not int or binding not in range(THRUSTER_BINDINGS):
             raise LevelError(f"thruster: binding {binding!r}: expected 0 … {THRUSTER_BINDINGS - 1}")
         thruster = Thruster(
             id=self._next("thrusters", len(self._thrusters)),
@@ -338,8 +338,8 @@ def _check_motor(motor: Any) -> None:
         raise LevelError(f"motor {motor!r}: expected a kinetix.level.Motor, such as Motor()")
     real("motor: speed", motor.speed)
     real("motor: power", motor.power, low=0.0)
-    if motor.binding not in range(MOTOR_BINDINGS):
-        raise LevelError(f"motor: binding {motor.binding}: expected 0 … {MOTOR_BINDINGS - 1}")
+    if type(motor.binding) is not int or motor.binding not in range(MOTOR_BINDINGS):
+        raise LevelError(f"motor: binding {motor.binding!r}: expected 0 … {MOTOR_BINDINGS - 1}")
 
 
 def _short(corners: Sequence[Point]) -> str:

@@ -28,6 +28,14 @@ def level_faults(level: Level) -> Iterator[Fault]:
 
     Equal tags and a solution that is too long come first, then E008–E013.
     """
+    yield from own_faults(level)
+    yield from _reference_faults(level)
+    yield from _shape_faults(level)
+    yield from _size_faults(level)
+
+
+def own_faults(level: Level) -> Iterator[Fault]:
+    """Yield equal tags, a solution that is too long (both E007), and ids that cannot be (E008)."""
     for k, tag in enumerate(level.tags):
         if tag in level.tags[:k]:
             message = f'expected each tag once, got "{tag}" again'
@@ -36,9 +44,6 @@ def level_faults(level: Level) -> Iterator[Fault]:
         message = f"expected at most {MAX_STEPS} steps in all, got {level.solution.steps}"
         yield Fault(code="E007", path="$.solution.actions", message=message)
     yield from _id_faults(level)
-    yield from _reference_faults(level)
-    yield from _shape_faults(level)
-    yield from _size_faults(level)
 
 
 def entity_paths(level: Level) -> Iterator[tuple[str, Entity]]:

@@ -154,6 +154,13 @@ def _export_matrix(joints: list[KinetixJoint], capacity: Capacity) -> list[list[
     return matrix.tolist()
 
 
+def _number(word: str, words: Sequence[str], what: str) -> int:
+    """Return kinetix-env's number for a word of ours."""
+    if word not in words:
+        raise LevelError(f"{what} {word!r}: expected {', '.join(words)}")
+    return words.index(word)
+
+
 def _export_body(body: Body, inertia_model: InertiaModel) -> KinetixBody:
     mass, inertia = inverse_mass(body, inertia_model)
     vertices, radius = (), 0.0
@@ -170,12 +177,12 @@ def _export_body(body: Body, inertia_model: InertiaModel) -> KinetixBody:
         inverse_inertia=inertia,
         friction=body.friction,
         restitution=body.restitution,
-        collision_mode=COLLISIONS.index(body.collision),
+        collision_mode=_number(body.collision, COLLISIONS, "collision"),
         active=True,
         n_vertices=len(vertices),
         vertices=vertices + ((0.0, 0.0),) * (VERTEX_ROWS - len(vertices)),
         radius=radius,
-        role=ROLES.index(body.role),
+        role=_number(body.role, ROLES, "role"),
         density=body.density,
     )
 

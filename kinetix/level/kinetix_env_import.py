@@ -21,7 +21,8 @@ from kinetix.level.geometry import (
 from kinetix.level.integrity import level_faults
 from kinetix.level.kinetix_env import KinetixEnvDocument
 from kinetix.level.kinetix_env_export import joint_position, world_anchor
-from kinetix.level.kinetix_env_mend import with_centres
+from kinetix.level.kinetix_env_mend import frames_model, with_centres
+from kinetix.level.kinetix_env_places import body_place, peer_path, peer_places
 from kinetix.level.kinetix_env_schema import (
     ENV_PARAMS,
     VERTEX_ROWS,
@@ -41,6 +42,7 @@ from kinetix.level.model import (
     BodyReference,
     Circle,
     Geometry,
+    InertiaModel,
     Joint,
     Level,
     Limits,
@@ -58,28 +60,6 @@ _CACHE_TOLERANCE: Final = 1e-3
 
 MENDED: Final = "W210"
 """Code of what was mended when a file of kinetix-env became a document."""
-
-# Native names of fields (in paths of faults) and what kinetix-env calls them.
-_PEER_NAMES: Final = {
-    "angle": "rotation",
-    "reference_angle": "rotation",
-    "shape.vertices": "vertices",
-    "shape.radius": "radius",
-    "mass_properties.mass": "inverse_mass",
-    "mass_properties.inertia": "inverse_inertia",
-    "anchor_a": "a_relative_pos",
-    "anchor_b": "b_relative_pos",
-    "a": "a_index",
-    "b": "b_index",
-    "motor.speed": "motor_speed",
-    "motor.power": "motor_power",
-    "motor.binding": "motor_binding",
-    "limits.min": "min_rotation",
-    "limits.max": "max_rotation",
-    "binding": "thruster_binding",
-    "geometry.vertices": "vertices",
-    "geometry.position": "position",
-}
 
 
 def to_level(
@@ -99,17 +79,17 @@ def to_level(
         LevelError: The file holds something that our format cannot say.
     """
     faults = FaultCollector()
-    level, places = None, {}
+    level, places = None, peer_places(document)
     mended: tuple[int, ...] = ()
     with contextlib.suppress(EnoughFaults):
-        level, places = _import_level(document, name, faults)
+        level = _import_level(document, name, faults)
         if not faults.faults and _are_polygons(level):
             level, mended = with_centres(level)
         ranges = FaultCollector()
         with contextlib.suppress(EnoughFaults):
             check_tree(record_tree(level), Level, "$", ranges)
         for fault in ranges.faults or level_faults(level):
-            faults.add(fault.code, _peer_path(fault.path, places), fault.message)
+            faults.add(fault.code, peer_path(fault.path, places), fault.message)
     if faults.faults or level is None:
         fail(document.file, faults.faults)
     told = [_mended(k, places) for k, body in enumerate(level.bodies) if body.id in mended]
@@ -131,25 +111,20 @@ def _mended(index: int, places: dict[str, str]) -> Fault:
     )
 
 
-def _import_level(
-    document: KinetixEnvDocument, name: str, faults: FaultCollector
-) -> tuple[Level, dict[str, str]]:
-    places: dict[str, str] = {}
+def _import_level(document: KinetixEnvDocument, name: str, faults: FaultCollector) -> Level:
     references: dict[int, BodyReference] = dict(enumerate(ARENA_NAMES))
     bodies: list[Body] = []
+    model = frames_model(document)
     for index, row in enumerate(document.bodies):
         if index < ARENA_BODIES or not row.active:
             continue
-        kind, slot = _collection(document, index)
-        path = f"$.env_state.{kind}[{slot}]"
-        places[f"$.bodies[{len(bodies)}]"] = path
+        path = body_place(document, index)
         references[index] = len(bodies) + 1
-        bodies.append(_import_body(row, len(bodies) + 1, path, faults, circle=kind == "circle"))
+        bodies.append(_import_body(row, len(bodies) + 1, path, faults, model))
     next_id = len(bodies) + 1
     joints: list[Joint] = []
-    for slot, row in enumerate(document.joints):
+    for row in document.joints:
         if row.active:
-            places[f"$.joints[{len(joints)}]"] = f"$.env_state.joint[{slot}]"
             joints.append(_import_joint(row, next_id, references))
             next_id += 1
     thrusters: list[Thruster] = []
@@ -157,7 +132,6 @@ def _import_level(
         if not row.active:
             continue
         path = f"$.env_state.thruster[{slot}]"
-        places[f"$.thrusters[{len(thrusters)}]"] = path
         reference = references[row.object_index]
         if isinstance(reference, str):
             faults.add("E009", f"{path}.object_index", "a thruster on an arena body does nothing")
@@ -173,34 +147,26 @@ def _import_level(
             )
         )
         next_id += 1
-    for slot, arena_name in enumerate(ARENA_NAMES):
-        places[f"$.arena.{arena_name}"] = f"$.env_state.polygon[{slot}]"
-    level = Level(
+    return Level(
         name=name,
         size=size_name(document.capacity) or size_hint(document.capacity),
         gravity=document.gravity,
         max_timesteps=document.parameters["max_timesteps"],
-        inertia_model="kinetix",
+        inertia_model=model,
         arena=_import_arena(document, faults),
         next_id=next_id,
         bodies=tuple(bodies),
         joints=tuple(joints),
         thrusters=tuple(thrusters),
     )
-    return level, places
-
-
-def _collection(document: KinetixEnvDocument, index: int) -> tuple[str, int]:
-    polygons = len(document.polygons)
-    return ("polygon", index) if index < polygons else ("circle", index - polygons)
 
 
 def _import_body(
-    row: KinetixBody, body_id: int, path: str, faults: FaultCollector, *, circle: bool
+    row: KinetixBody, body_id: int, path: str, faults: FaultCollector, model: InertiaModel
 ) -> Body:
     shape = (
         Circle(radius=row.radius)
-        if circle
+        if path.startswith("$.env_state.circle")
         else Polygon(vertices=reverse_winding(row.vertices[: row.n_vertices]))
     )
     stored = (row.inverse_mass, row.inverse_inertia)
@@ -213,7 +179,7 @@ def _import_body(
             f"got {stored[0]:g} and {stored[1]:g}",
         )
     elif stored[0] > 0:
-        derived = shape_mass(shape, row.density, "kinetix")
+        derived = shape_mass(shape, row.density, model)
         if not same_masses(stored, derived):
             mass_properties = MassProperties(mass=1 / stored[0], inertia=1 / stored[1])
     return Body(
@@ -281,19 +247,6 @@ def _import_arena(document: KinetixEnvDocument, faults: FaultCollector) -> Arena
             geometry=None if same_geometry(geometry, STANDARD_ARENA[name]) else geometry,
         )
     return Arena(**parts)
-
-
-def _peer_path(path: str, places: dict[str, str]) -> str:
-    """The place in kinetix-env's file that a path in the imported level came from."""
-    for ours, theirs in places.items():
-        if path == ours or path.startswith(f"{ours}."):
-            field = path[len(ours) + 1 :]
-            stem = field.split("[")[0]
-            renamed = _PEER_NAMES.get(stem, stem) + field[len(stem) :]
-            return f"{theirs}.{renamed}" if field else theirs
-    return {"$.max_timesteps": "$.env_params.max_timesteps"}.get(
-        path, path.replace("$.gravity", "$.env_state.gravity")
-    )
 
 
 def _import_warnings(document: KinetixEnvDocument) -> list[str]:

@@ -2,22 +2,59 @@
 
 import math
 
+from kinetix.engine.spec import ARENA_BODIES
 from kinetix.level.geometry import (
     CENTRE_TOLERANCE,
     body_mass,
+    centre_of_corners,
     centre_of_mass,
+    polygon_fault,
     recentred,
+    reverse_winding,
     same_masses,
     shape_mass,
 )
-from kinetix.level.model import Body, Joint, Level, MassProperties, Point, Polygon, Thruster
+from kinetix.level.kinetix_env import KinetixEnvDocument
+from kinetix.level.model import (
+    Body,
+    InertiaModel,
+    Joint,
+    Level,
+    MassProperties,
+    Point,
+    Polygon,
+    Thruster,
+)
+
+
+def frames_model(document: KinetixEnvDocument) -> InertiaModel:
+    """The inertia model under which most frames of free polygons are at their centre of mass.
+
+    kinetix-env turns a body about its frame's origin, wherever that is. Its editor puts the origin
+    at the mean of the corners; what was a level of ours has it at the area's centroid.
+
+    Returns:
+        `"exact"` where that keeps more frames as they are, else `"kinetix"`.
+    """
+    shapes = [
+        reverse_winding(row.vertices[: row.n_vertices])
+        for row in document.polygons[ARENA_BODIES:]
+        if row.active and row.inverse_mass > 0
+    ]
+    polygons = [corners for corners in shapes if not polygon_fault(corners)]
+
+    def kept(model: InertiaModel) -> int:
+        centres = (centre_of_corners(corners, model) for corners in polygons)
+        return sum(math.hypot(*centre) <= CENTRE_TOLERANCE for centre in centres)
+
+    return "exact" if kept("exact") > kept("kinetix") else "kinetix"
 
 
 def with_centres(level: Level) -> tuple[Level, tuple[int, ...]]:
     """Return the level with every free polygon's frame at its centre of mass, and which changed.
 
-    Nothing moves: corners, anchors and thrusters stay where they are in the world, and a body
-    keeps the mass and the inertia that it has.
+    At the start nothing moves: corners, anchors and thrusters stay where they are in the world,
+    and a body keeps the mass and the inertia that it has. It turns about another point then.
 
     Args:
         level: Corners make polygons (`geometry.polygon_fault`).

@@ -55,6 +55,10 @@ MAX_STEPS: Final = 100_000
 """Environment steps of an episode, and so of a recorded solution."""
 FARTHEST: Final = 15.0
 """Most that a coordinate of a body may be, to either side [m]."""
+FARTHEST_PART: Final = 10_000.0
+"""Most that a coordinate in a body's own frame may be, to either side [m]: far above use."""
+WIDEST_ANGLE: Final = 1e6
+"""Most that an angle may be, to either side [rad]: far above what a long spin gathers."""
 MAX_ENTITIES: Final = 1024
 """Most bodies, joints or thrusters in one level: a bound against hostile files, far above use."""
 
@@ -113,7 +117,11 @@ _Coordinate = Annotated[
         slider=(0.0, 5.0),
     ),
 ]
-_Anchor = Annotated[float, _real("Attachment in the body's own frame", "m", slider=(-2.0, 2.0))]
+_WITHIN_BODY: Final = (-FARTHEST_PART, FARTHEST_PART)
+_ANGLES: Final = (-WIDEST_ANGLE, WIDEST_ANGLE)
+_Anchor = Annotated[
+    float, _real("Attachment in the body's own frame", "m", _WITHIN_BODY, slider=(-2.0, 2.0))
+]
 _Speed = Annotated[
     float, _real("Velocity at the start", "m/s", (-100.0, 100.0), slider=(-20.0, 20.0), step=0.1)
 ]
@@ -124,7 +132,9 @@ _AngularVelocity = Annotated[
 _Gravity = Annotated[
     float, _real("Acceleration of gravity", "m/s²", (-100.0, 100.0), slider=(-20.0, 20.0), step=0.1)
 ]
-_Angle = Annotated[float, _real("Angle, counter-clockwise", "rad", slider=(-math.pi, math.pi))]
+_Angle = Annotated[
+    float, _real("Angle, counter-clockwise", "rad", _ANGLES, slider=(-math.pi, math.pi))
+]
 _Density = Annotated[
     float, _real("Mass per area", "kg/m²", (1e-3, 1000.0), slider=(0.05, 10.0), step=0.05)
 ]
@@ -140,7 +150,13 @@ _Friction = Annotated[
 _Restitution = Annotated[
     float, _real("Bounciness of the surface; of two the smaller counts", "", (0.0, 1.0))
 ]
-_Vertices = Annotated[tuple[Point, ...], Meta(min_length=3, max_length=4)]
+_Corner = Annotated[
+    float, _real("Corner in the body's own frame", "m", _WITHIN_BODY, slider=(-2.0, 2.0))
+]
+_Vertices = Annotated[tuple[tuple[_Corner, _Corner], ...], Meta(min_length=3, max_length=4)]
+_ArenaCoordinate = Annotated[
+    float, _real("Place of an arena body's frame", "m", _WITHIN_BODY, slider=(-10.0, 10.0))
+]
 _Id = Annotated[int, Meta(ge=1, le=2**53)]
 _Role = Annotated[Role, _note("Part in the game: green must reach blue and shun red")]
 _Collision = Annotated[
@@ -249,7 +265,7 @@ class Body(Record, frozen=True, kw_only=True):
 class Geometry(Record, frozen=True, kw_only=True):
     """Place and shape of an arena body that is not the standard one; counter-clockwise."""
 
-    position: Point
+    position: tuple[_ArenaCoordinate, _ArenaCoordinate]
     vertices: _Vertices
 
 
@@ -329,7 +345,12 @@ class Joint(Record, frozen=True, kw_only=True):
     anchor_b: tuple[_Anchor, _Anchor]
     reference_angle: Annotated[
         float,
-        _real("Angle of b minus angle of a that counts as zero", "rad", slider=(-math.pi, math.pi)),
+        _real(
+            "Angle of b minus angle of a that counts as zero",
+            "rad",
+            _ANGLES,
+            slider=(-math.pi, math.pi),
+        ),
     ] = 0.0
     motor: Annotated[Motor | None, _note("Motor")] = None
     limits: Annotated[Limits | None, _note("Angle limits")] = None

@@ -36,7 +36,7 @@ def smallest_capacity(needed: Capacity) -> Capacity:
 
 
 def hinted_capacity(level: Level) -> Capacity | None:
-    """Return the capacity of the level's own `size`; None where it has none."""
+    """Return the capacity of the level's own `size`; None where it has none that exists."""
     if level.size is None:
         return None
     if isinstance(level.size, SizeHint):
@@ -47,7 +47,7 @@ def hinted_capacity(level: Level) -> Capacity | None:
             joints=hint.joints,
             thrusters=hint.thrusters,
         )
-    return SIZES[level.size]
+    return SIZES.get(level.size)
 
 
 def outgrown_capacity(level: Level) -> Capacity | None:

@@ -10,7 +10,7 @@ import pytest
 
 from kinetix.cli import main
 from kinetix.errors import KinetixError
-from kinetix.level.codec import load_level, save_level
+from kinetix.level.codec import dumps, load_level, save_level
 from kinetix.level.sets import load_set
 
 CART = Path(__file__).parents[1] / "level" / "fixtures" / "v1" / "cart_and_bell.json"
@@ -259,3 +259,17 @@ def test_a_solution_that_cannot_be_played_is_a_problem_of_its_level(folder, outc
     assert found[1]["problems"] == [
         "it cannot be played: physics 'warped': expected one of balanced"
     ]
+
+
+def test_what_an_inline_level_does_not_carry_of_its_file_is_told(folder, capsys):
+    text = dumps(load_level(folder / "c0.json"), format="kinetix-env")
+    tree = json.loads(text)
+    row = next(k for k, each in enumerate(tree["env_state"]["polygon"]) if k > 3 and each["active"])
+    tree["env_state"]["polygon"][row]["highlighted"] = True
+    peer, out = folder / "peer.json", folder / "set.json"
+    peer.write_text(json.dumps(tree))
+    build = ["levelset", "build", str(out), "--levels", str(peer)]
+    assert main(build) == 0
+    assert "not carried" not in capsys.readouterr().err
+    assert main([*build, "--inline"]) == 0
+    assert f"{peer}: put into the set; not carried: highlights" in capsys.readouterr().err

@@ -234,3 +234,35 @@ def test_a_read_only_file_is_not_searched_for_what_it_cannot_take(
     assert main(["solve", str(folder), "--write"]) == 1
     assert search.levels == [11, 12, 14]
     assert f"left out: {locked}: cannot be saved: the file is read-only" in capsys.readouterr().err
+
+
+def test_a_solution_that_wins_is_replaced_only_on_request(search, folder, capsys, monkeypatch):
+    path = folder / "10.json"
+    own = SOLUTION.replace(actions=((30, (0, 0, 0, 0, 1, 0)),))
+    save_level(load_level(path).replace(solution=own), path)
+    monkeypatch.setattr(
+        sys.modules["kinetix.environment.replay"], "replay_solution", lambda level: "won"
+    )
+    assert main(["solve", str(path), "--write"]) == 0
+    assert load_level(path).solution == own and search.levels == []
+    told = capsys.readouterr().err
+    assert "1 recorded solution won, left out; --replace searches for others" in told
+    assert main(["solve", str(path), "--write", "--replace"]) == 0
+    assert load_level(path).solution == SOLUTION
+
+
+def test_a_win_that_was_recorded_during_the_search_is_kept(edit, folder, capsys, monkeypatch):
+    path = folder / "10.json"
+    own = SOLUTION.replace(actions=((30, (0, 0, 0, 0, 1, 0)),))
+    monkeypatch.setattr(
+        sys.modules["kinetix.environment.replay"], "replay_solution", lambda level: "won"
+    )
+    edit(path, solution=own)
+    assert main(["solve", str(path), "--write"]) == 0
+    assert load_level(path).solution == own
+    assert f"{path}: keeps the solution" in capsys.readouterr().out
+
+
+def test_replacing_needs_writing(search, folder, capsys):
+    assert main(["solve", str(folder / "10.json"), "--replace"]) == 1
+    assert "--replace: expected --write with it" in capsys.readouterr().err

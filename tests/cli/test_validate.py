@@ -4,6 +4,8 @@ import json
 from pathlib import Path
 
 from kinetix.cli import main
+from kinetix.level.builder import LevelBuilder
+from kinetix.level.codec import dumps
 
 FIXTURES = Path(__file__).parents[1] / "level" / "fixtures"
 CART = FIXTURES / "v1" / "cart_and_bell.json"
@@ -73,3 +75,40 @@ def test_a_folder_without_levels_is_an_error_also_beside_others(tmp_path, capsys
     good, empty = lines(capsys)
     assert good["ok"] and not empty["ok"]
     assert "found none" in empty["issues"][0]["message"]
+
+
+def peer_level(place):
+    """A file of kinetix-env whose second slot for circles alone is filled, outside the arena."""
+    builder = LevelBuilder("Far", gravity=(0.0, 0.0))
+    builder.rectangle(1.0, 2.0, 0.4, 0.4, role="green")
+    builder.circle(1.0, 3.0, 0.2, role="blue")
+    builder.circle(9.0, 3.0, 0.2)
+    tree = json.loads(dumps(builder.build(), format="kinetix-env"))
+    tree["env_state"]["circle"][0]["active"] = False
+    for corner in tree["env_state"]["polygon"][4]["vertices"].values():
+        corner["0"] += 0.1
+    place.write_text(json.dumps(tree))
+
+
+def test_paths_are_those_of_the_file(tmp_path, capsys):
+    peer_level(tmp_path / "far.json")
+    main(["validate", str(tmp_path / "far.json"), "--json"])
+    (report,) = lines(capsys)
+    places = {issue["code"]: issue["path"] for issue in report["issues"]}
+    assert places["W203"] == "$.env_state.circle[1].position"
+    assert places["W210"] == "$.env_state.polygon[4].vertices"
+
+
+def test_of_a_set_that_names_files_the_file_and_its_own_path_are_told(tmp_path, capsys):
+    peer_level(tmp_path / "far.json")
+    tree = json.loads((tmp_path / "far.json").read_text())
+    tree["env_state"]["circle"][0]["active"] = True
+    (tmp_path / "far.json").write_text(json.dumps(tree))
+    out = tmp_path / "set.json"
+    assert main(["levelset", "build", str(out), "--levels", str(tmp_path / "far.json")]) == 0
+    capsys.readouterr()
+    assert main(["validate", str(out), "--json"]) == 0
+    (report,) = lines(capsys)
+    found = {issue["code"]: issue for issue in report["issues"]}
+    assert found["W203"]["path"] == found["W210"]["path"] == "$.levels[0].path"
+    assert found["W203"]["message"].startswith("far.json: $.env_state.circle[1].position: ")

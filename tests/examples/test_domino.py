@@ -28,3 +28,10 @@ def test_the_engine_s_wave_runs_as_the_formula_says():
     domino = example()
     wanted = domino.wave_speed(0.4, 0.05, 0.15)
     assert domino.measured_speed(0.4, 0.05, 0.15, 40) == pytest.approx(wanted, rel=0.05)
+
+
+def test_a_row_that_is_too_short_to_measure_is_refused(monkeypatch, capsys):
+    monkeypatch.setattr("sys.argv", ["domino.py", "--dominoes", "6"])
+    with pytest.raises(SystemExit):
+        example().main()
+    assert "--dominoes 6: expected at least 7" in capsys.readouterr().err

@@ -26,7 +26,7 @@ from kinetix.level.sets.manifest import (
 from kinetix.level.sets.parts import distinct, evaluation_part, training_part
 from kinetix.level.sets.paths import within_reach
 from kinetix.level.sets.read import is_set_file, load_set
-from kinetix.level.sets.write import dumps_set, save_set
+from kinetix.level.sets.write import dumps_set, inline_losses, save_set
 
 __all__ = [
     "DEFAULT_SPLIT",
@@ -45,6 +45,7 @@ __all__ = [
     "dumps_set",
     "evaluation_part",
     "gather_levels",
+    "inline_losses",
     "is_set_file",
     "json_files",
     "level_files",

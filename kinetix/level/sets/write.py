@@ -7,7 +7,7 @@ from kinetix.errors import LevelError
 from kinetix.files.atomic import write_atomically, write_with_backup
 from kinetix.files.limits import LIMITS, MIB
 from kinetix.level.canonical import level_tree, record_tree, tree_text
-from kinetix.level.codec import LEVELSET_FORMAT
+from kinetix.level.codec import LEVELSET_FORMAT, load_document
 from kinetix.level.sets.manifest import LONGEST_NAME, VERSION, LoadedSet
 from kinetix.level.sets.read import check_manifest, is_set_file
 
@@ -33,6 +33,28 @@ def dumps_set(loaded: LoadedSet, *, inline: bool = False) -> str:
             part = {"level": level_tree(each.level)} | part
         tree["levels"].append(part)
     return tree_text(tree)
+
+
+def inline_losses(loaded: LoadedSet, *, inline: bool = False) -> list[str]:
+    """What a set's file does not carry of kinetix-env's files whose levels stand in it.
+
+    Args:
+        loaded: The set.
+        inline: As for `dumps_set`.
+
+    Returns:
+        One sentence for each such file that says more than its level, or that was mended.
+
+    Raises:
+        LevelError: A file is gone or damaged since it was read.
+    """
+    told: list[str] = []
+    for entry, each in zip(loaded.manifest.levels, loaded.levels, strict=True):
+        if each.native or each.path is None or not (inline or entry.path is None):
+            continue
+        if warnings := load_document(each.path).warnings:
+            told.append(f"{each.path}: put into the set; {'; '.join(warnings)}")
+    return told
 
 
 def save_set(

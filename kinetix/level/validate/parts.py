@@ -1,6 +1,7 @@
 """Problems of roles, joints, thrusters and sizes."""
 
 import math
+from collections import defaultdict
 from collections.abc import Iterator
 from typing import Final
 
@@ -18,7 +19,7 @@ ANGLE_TOLERANCE: Final = 1e-3
 
 def role_issues(level: Level) -> Iterator[Issue]:
     """Yield what is wrong with green and blue: none, several, both fixed (E101 to E103, W204)."""
-    holders: dict[str, list[BodyReference]] = {"green": [], "blue": [], "red": [], "none": []}
+    holders: defaultdict[str, list[BodyReference]] = defaultdict(list)
     fixed: dict[str, bool] = {"green": True, "blue": True}
     for name in ARENA_NAMES:
         holders[getattr(level.arena, name).role].append(name)
@@ -89,7 +90,7 @@ def joint_issues(level: Level, placed: list[Placed], broken: set[BodyReference])
             message = f"{name} between two fixed shapes has no effect."
             yield issue("W207", message, path=path, ids=(joint.id,))
         gap = math.dist(to_world(a, joint.anchor_a), to_world(b, joint.anchor_b))
-        if gap > ANCHOR_TOLERANCE:
+        if gap > ANCHOR_TOLERANCE and not (a.fixed and b.fixed):
             message = f"{name}: anchor mismatch {gap:.3g} m, will be pulled together."
             yield issue("W209", message, path=path, ids=(joint.id,), fix="Re-anchor")
         if joint.kind == "revolute":

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from kinetix.level.canonical import record_tree
 from kinetix.level.faults import EnoughFaults, FaultCollector
 from kinetix.level.geometry import polygon_fault
-from kinetix.level.integrity import centre_fault, entity_paths
+from kinetix.level.integrity import centre_fault, entity_paths, own_faults
 from kinetix.level.model import (
     ARENA_NAMES,
     MOTOR_BINDINGS,
@@ -73,6 +73,15 @@ def value_issues(level: Level) -> Iterator[Issue]:
             )
         if isinstance(entity, Thruster):
             yield from _binding_issues(entity, entity.binding, THRUSTER_BINDINGS, f"{path}.binding")
+
+
+def identity_issues(level: Level) -> Iterator[Issue]:
+    """Yield ids and tags that stand twice, ids from `next_id` on, too long a solution (E106)."""
+    numbers = (level.next_id, *(entity.id for entity in level.entities()))
+    if not all(type(number) is int for number in numbers):
+        return  # what is no number has an issue of its own, and no order
+    for fault in own_faults(level):
+        yield issue("E106", f"Level: {fault.path[2:]}: {fault.message}.", path=fault.path)
 
 
 def _binding_issues(entity: Entity, binding: int, count: int, path: str) -> Iterator[Issue]:
