@@ -16,8 +16,8 @@ from tyro.conf import Positional
 from kinetix.bundled import named_levels
 from kinetix.cli.terminal import announced
 from kinetix.errors import KinetixError, LevelError
-from kinetix.files.atomic import check_target
-from kinetix.level.codec import level_hash, load_document, load_level, save_level
+from kinetix.files.atomic import backup_of, check_target, write_with_backup
+from kinetix.level.codec import dumps, level_hash, load_document, load_level, save_level
 from kinetix.level.controls import channels_in_use
 from kinetix.level.model import Level, Solution
 from kinetix.level.sets import SetLevel, read_levels
@@ -48,11 +48,10 @@ class Solve:
     seconds: float = 60.0
     """Time to search for each level [s]; compilation comes on top."""
     write: bool = False
-    """Record the actions in the level's file; a recorded solution that wins no more is dropped."""
+    """Record the actions in the level's file; a recorded solution that wins stays in a backup
+    beside it, one that wins no more is dropped."""
     unsolved: bool = False
-    """Leave out levels whose recorded solution wins; `--write` does so unless it may replace it."""
-    replace: bool = False
-    """With `--write`, search levels whose recorded solution wins too, and replace it."""
+    """Leave out levels whose recorded solution wins."""
     cores: int | None = None
     """Processor cores to use (KINETIX_CORES, else all)."""
 
@@ -73,31 +72,23 @@ def run(command: Solve) -> int:
         raise LevelError("expected levels: files, names such as s/first_flight, or folders")
     if not 0 <= command.seconds < math.inf:
         raise LevelError(f"--seconds {command.seconds}: expected a number from 0")
-    if command.replace and not command.write:
-        raise LevelError("--replace: expected --write with it, which records what is found")
     if command.write:
         for word in command.levels:
             _refuse_bundled(word)
     given, unreadable = read_levels(command.levels)
     chosen = list(_tasks(given, list(unreadable.values()), write=command.write))
     complete = len(chosen) == len(given) + len(unreadable)
-    if command.unsolved or (command.write and not command.replace):
-        chosen = _without_proven(chosen, command)
+    if command.unsolved:
+        count = len(chosen)
+        chosen = [each for each in chosen if not _proven(each.level)]
+        if won := count - len(chosen):
+            print(f"{plural(won, 'recorded solution')} won, left out", file=sys.stderr)
     titles = _titles(chosen)
     found = [
         _solve(each, titles[each.name], command, env)
         for each, env in _with_environments(chosen, command)
     ]
     return 0 if complete and all(found) else 1
-
-
-def _without_proven(chosen: list[SetLevel], command: Solve) -> list[SetLevel]:
-    """Return the levels that have no solution that wins; tell how many have."""
-    left = [each for each in chosen if not _proven(each.level)]
-    if won := len(chosen) - len(left):
-        hint = "" if command.unsolved else "; --replace searches for others"
-        print(f"{plural(won, 'recorded solution')} won, left out{hint}", file=sys.stderr)
-    return left
 
 
 def _refuse_bundled(word: str) -> None:
@@ -221,22 +212,24 @@ def _solve(each: SetLevel, title: str, command: Solve, env: "KinetixEnv") -> boo
     steps = solution.steps
     print(f"{title}: won after {plural(steps, 'step')} under {solution.physics}", flush=True)
     if command.write and each.path:
-        return _record(level, solution, each.path, replace=command.replace)
+        return _record(level, solution, each.path)
     return True
 
 
-def _record(level: Level, solution: Solution, path: Path, *, replace: bool) -> bool:
+def _record(level: Level, solution: Solution, path: Path) -> bool:
     """Put a solution into a level's file; return whether it is still the level of the search."""
     now = _unchanged(level, path)
     if now is None:
         return False
-    if not replace and _proven(now):
-        print(f"{path}: keeps the solution that it was given during the search, which wins")
-        return True
     # What is solved is no longer unsolved.
     tags = tuple(tag for tag in now.tags if tag != _UNSOLVED)
-    save_level(now.replace(solution=solution, tags=tags), path)
-    print(f"recorded in {path}", flush=True)
+    made = now.replace(solution=solution, tags=tags)
+    if _proven(now):
+        write_with_backup(path, dumps(made).encode(), keep_all=True)
+        print(f"recorded in {path}; what it had, which wins too: {backup_of(path)}", flush=True)
+    else:
+        save_level(made, path)
+        print(f"recorded in {path}", flush=True)
     return True
 
 

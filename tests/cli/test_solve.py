@@ -50,6 +50,18 @@ def folder(tmp_path):
     return tmp_path
 
 
+def test_a_solution_that_wins_stays_in_a_backup(search, folder, capsys, monkeypatch):
+    replay = sys.modules["kinetix.environment.replay"]
+    monkeypatch.setattr(replay, "replay_solution", lambda level: "won")
+    path, earlier = folder / "10.json", SOLUTION.replace(physics="fast")
+    save_level(load_level(path).replace(solution=earlier), path)
+    assert main(["solve", str(path), "--write"]) == 0
+    assert load_level(path).solution == SOLUTION
+    assert "10.json.bak" in capsys.readouterr().out
+    (folder / "10.json.bak").rename(folder / "before.json")
+    assert load_level(folder / "before.json").solution == earlier
+
+
 def test_every_level_is_tried_and_what_is_found_is_recorded(search, folder, capsys):
     assert main(["solve", str(folder), "--write"]) == 1
     assert search.levels == [10, 11, 12, 14]
@@ -234,35 +246,3 @@ def test_a_read_only_file_is_not_searched_for_what_it_cannot_take(
     assert main(["solve", str(folder), "--write"]) == 1
     assert search.levels == [11, 12, 14]
     assert f"left out: {locked}: cannot be saved: the file is read-only" in capsys.readouterr().err
-
-
-def test_a_solution_that_wins_is_replaced_only_on_request(search, folder, capsys, monkeypatch):
-    path = folder / "10.json"
-    own = SOLUTION.replace(actions=((30, (0, 0, 0, 0, 1, 0)),))
-    save_level(load_level(path).replace(solution=own), path)
-    monkeypatch.setattr(
-        sys.modules["kinetix.environment.replay"], "replay_solution", lambda level: "won"
-    )
-    assert main(["solve", str(path), "--write"]) == 0
-    assert load_level(path).solution == own and search.levels == []
-    told = capsys.readouterr().err
-    assert "1 recorded solution won, left out; --replace searches for others" in told
-    assert main(["solve", str(path), "--write", "--replace"]) == 0
-    assert load_level(path).solution == SOLUTION
-
-
-def test_a_win_that_was_recorded_during_the_search_is_kept(edit, folder, capsys, monkeypatch):
-    path = folder / "10.json"
-    own = SOLUTION.replace(actions=((30, (0, 0, 0, 0, 1, 0)),))
-    monkeypatch.setattr(
-        sys.modules["kinetix.environment.replay"], "replay_solution", lambda level: "won"
-    )
-    edit(path, solution=own)
-    assert main(["solve", str(path), "--write"]) == 0
-    assert load_level(path).solution == own
-    assert f"{path}: keeps the solution" in capsys.readouterr().out
-
-
-def test_replacing_needs_writing(search, folder, capsys):
-    assert main(["solve", str(folder / "10.json"), "--replace"]) == 1
-    assert "--replace: expected --write with it" in capsys.readouterr().err
