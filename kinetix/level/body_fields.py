@@ -100,6 +100,18 @@ def real(name: str, value: Any, low: float = -math.inf, high: float = math.inf) 
     return number
 
 
+def number_below(name: str, value: Any, count: int) -> int:
+    """Return a value as a whole number from 0 to below a count; numpy's count as such.
+
+    Raises:
+        LevelError: It is none: a truth value is not, nor is 1.0.
+    """
+    whole = isinstance(value, int | np.integer) and not isinstance(value, bool)
+    if not whole or not 0 <= value < count:
+        raise LevelError(f"{name} {value!r}: expected 0 … {count - 1}")
+    return int(value)
+
+
 def size(name: str, value: Any) -> float:
     """Return a value as a number above 0.
 

@@ -5,7 +5,7 @@ from collections.abc import Iterable, Sequence
 from typing import Any, Final
 
 from kinetix.errors import LevelError
-from kinetix.level.body_fields import BodyFields, check_fields, pair, real, size
+from kinetix.level.body_fields import BodyFields, check_fields, number_below, pair, real, size
 from kinetix.level.geometry import arena_body, centre_of_corners, polygon_fault, to_local
 from kinetix.level.model import (
     ARENA_NAMES,
@@ -208,7 +208,7 @@ class LevelBuilder:
         if limits is not None and limits.min > limits.max:
             raise LevelError(f"limits ({limits.min:g}, {limits.max:g}): expected min ≤ max")
         if motor is not None:
-            _check_motor(motor)
+            motor = _checked(motor)
         return self._join(
             "revolute", (a, b), at, motor=motor, limits=limits, reference_angle=reference_angle
         )
@@ -245,15 +245,13 @@ class LevelBuilder:
         pushed = self._find(body)
         if isinstance(body, str):
             raise LevelError(f"thruster on {body}: expected a body that is not part of the arena")
-        if type(binding) is not int or binding not in range(THRUSTER_BINDINGS):
-            raise LevelError(f"thruster: binding {binding!r}: expected 0 … {THRUSTER_BINDINGS - 1}")
         thruster = Thruster(
             id=self._next("thrusters", len(self._thrusters)),
             body=body,
             position=to_local(pushed, pair("at", at)),
             angle=real("angle", angle) - pushed.angle,
             power=real("power", power, low=0.0),
-            binding=binding,
+            binding=number_below("thruster: binding", binding, THRUSTER_BINDINGS),
         )
         self._thrusters.append(thruster)
         return thruster.id
@@ -333,13 +331,13 @@ def rectangle(width: float, height: float) -> tuple[Point, ...]:
     return ((x, y), (-x, y), (-x, -y), (x, -y))
 
 
-def _check_motor(motor: Any) -> None:
+def _checked(motor: Any) -> Motor:
     if not isinstance(motor, Motor):
         raise LevelError(f"motor {motor!r}: expected a kinetix.level.Motor, such as Motor()")
     real("motor: speed", motor.speed)
     real("motor: power", motor.power, low=0.0)
-    if type(motor.binding) is not int or motor.binding not in range(MOTOR_BINDINGS):
-        raise LevelError(f"motor: binding {motor.binding!r}: expected 0 … {MOTOR_BINDINGS - 1}")
+    binding = number_below("motor: binding", motor.binding, MOTOR_BINDINGS)
+    return motor.replace(binding=binding)
 
 
 def _short(corners: Sequence[Point]) -> str:

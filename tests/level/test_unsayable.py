@@ -1,10 +1,11 @@
 """Levels made in Python that no file could hold: `validate` tells, and nothing crashes."""
 
+import numpy as np
 import pytest
 
 from kinetix.errors import LevelError
 from kinetix.level.builder import LevelBuilder
-from kinetix.level.codec import check_level, dumps
+from kinetix.level.codec import check_level, dumps, loads
 from kinetix.level.model import Geometry, Motor, Solution
 from kinetix.level.validate import validate
 
@@ -122,3 +123,12 @@ def test_anchors_of_a_joint_that_has_no_effect_are_not_said_to_be_pulled():
     apart = joint.replace(a="floor", b="left_wall", anchor_a=(1.0, 1.0))
     codes = {issue.code for issue in validate(level.replace(joints=(apart,)))}
     assert "W207" in codes and "W209" not in codes
+
+
+def test_bindings_may_be_numbers_of_numpy():
+    builder = LevelBuilder("Drawn")
+    body = builder.circle(1.0, 2.0, 0.5)
+    one = np.int64(1)
+    builder.thruster(body, (1.0, 2.0), angle=0.0, power=1.0, binding=one)
+    builder.hinge(builder.floor, body, (1.0, 2.0), motor=Motor(binding=one))
+    assert loads(dumps(builder.build())).thrusters[0].binding == 1
