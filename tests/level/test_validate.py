@@ -200,6 +200,21 @@ def test_values_that_no_file_could_hold(path, level):
     assert [issue.path for issue in issues] == [path]
 
 
+@pytest.mark.parametrize(("gap", "found"), [(0.004, ["E105"]), (0.006, [])])
+def test_sharp_corners_touch_by_their_distance(gap, found):
+    """Tip to tip, askew: no face's normal measures the gap."""
+    along, across = (0.8, 0.6), (-0.6, 0.8)
+
+    def at(x, y):
+        return 2 + x * along[0] + y * across[0], 2 + x * along[1] + y * across[1]
+
+    builder = LevelBuilder("Tips")
+    builder.polygon([at(-1, -0.1), at(0, 0), at(-1, 0.1)], role="green")
+    builder.polygon([at(gap, 0), at(1 + gap, -0.1), at(1 + gap, 0.1)], role="red")
+    builder.circle(4.5, 4.5, 0.2, role="blue")
+    assert [code for code in codes(builder.build()) if code[0] == "E"] == found
+
+
 def test_touching_needs_contact_but_not_the_right_to_push():
     near = with_green(position=(3.61 - 0.02, 2))
     assert codes(near) == []
