@@ -238,10 +238,8 @@ def toggle_hide(session: Session) -> None:
     Raises:
         CommandError: Only parts of the arena are selected.
     """
-    document, chosen = (
-        session.document,
-        frozenset(i for i in session.selection if isinstance(i, int)),
-    )
+    document = session.document
+    chosen = frozenset(entity for entity in session.selection if isinstance(entity, int))
     if session.selection and not chosen:
         raise CommandError("Floor, walls and ceiling cannot be hidden.")
     if not chosen:

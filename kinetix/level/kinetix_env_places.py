@@ -1,4 +1,4 @@
-"""Where in a file of kinetix-env a part of the imported level stands."""
+"""JSON paths of an imported level's parts in the kinetix-env file that it came from."""
 
 from typing import Final
 

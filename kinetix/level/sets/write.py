@@ -36,7 +36,7 @@ def dumps_set(loaded: LoadedSet, *, inline: bool = False) -> str:
 
 
 def inline_losses(loaded: LoadedSet, *, inline: bool = False) -> list[str]:
-    """What a set's file does not carry of kinetix-env's files whose levels stand in it.
+    """Return what is lost of kinetix-env files when their levels are written into a set's file.
 
     Args:
         loaded: The set.

@@ -190,6 +190,15 @@ def a_session(level=None, **settings):
     )
 
 
+def pause_episode(session, hand):
+    """Play the level for some frames, and pause."""
+    assert actions.run(session, "run.play_human")
+    for _ in range(20):
+        hand.wait()
+    assert actions.run(session, "run.pause")
+    hand.wait()
+
+
 def texts(session):
     return [toast.text for toast in session.toasts]
 

@@ -1,4 +1,4 @@
-"""What Cut and Duplicate take, and what they leave."""
+"""Cut and Duplicate take shapes, with the joints and thrusters on them."""
 
 import pytest
 

@@ -1,4 +1,4 @@
-"""What gestures do with values that no level holds, and with selections that cannot be dragged."""
+"""Gestures stop typed values at a level's limits, and refuse what cannot be dragged."""
 
 import pytest
 

@@ -1,4 +1,4 @@
-"""What keys and results do to a gesture that is under way."""
+"""Keys and results that come during a gesture."""
 
 import pytest
 

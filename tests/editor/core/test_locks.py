@@ -1,4 +1,4 @@
-"""What is locked leaves what hangs on it where it is too."""
+"""A locked shape holds the shapes that are jointed to it."""
 
 from editor import actions
 from tests.editor.core.helpers import texts

@@ -10,17 +10,13 @@ from editor.documents.commands.group import Move, Remove
 from editor.documents.document import Document
 from editor.play.mode import Mode
 from kinetix.level.codec import load_level, save_level
-from tests.editor.core.helpers import a_level, texts
+from tests.editor.core.helpers import a_level, pause_episode, texts
 
 
 @pytest.fixture
 def paused(session, hand):
     """A session whose episode stands at some step."""
-    assert run(session, "run.play_human")
-    for _ in range(20):
-        hand.wait()
-    assert run(session, "run.pause")
-    hand.wait()
+    pause_episode(session, hand)
     assert session.playback.step_count > 3
     return session
 

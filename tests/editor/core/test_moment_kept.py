@@ -1,4 +1,4 @@
-"""What is changed in a paused episode is copied like any other unsaved work."""
+"""Changes to a paused episode are copied like any other unsaved work."""
 
 import pytest
 
@@ -7,7 +7,7 @@ from editor.documents import recovery
 from editor.documents.commands.group import Move
 from editor.documents.commands.level import KeepSolution
 from kinetix.level.model import Solution
-from tests.editor.core.helpers import texts
+from tests.editor.core.helpers import pause_episode, texts
 
 MOVE = Move(ids=(3,), shift=(0.3, 0.0))
 
@@ -15,11 +15,7 @@ MOVE = Move(ids=(3,), shift=(0.3, 0.0))
 @pytest.fixture
 def changed(session, hand):
     """A session whose paused episode was changed."""
-    assert run(session, "run.play_human")
-    for _ in range(20):
-        hand.wait()
-    assert run(session, "run.pause")
-    hand.wait()
+    pause_episode(session, hand)
     assert run(session, "run.change")
     session.execute(MOVE)
     yield session

@@ -26,8 +26,9 @@ MOTOR_MOST: Final = 3.4
 """Beyond this speed the arc would cover its own beginning."""
 
 SPEED_MOST: Final = 20.0
+"""Largest speed of a motor that a level can have."""
 LIMIT_MOST: Final = 100.0
-"""What a level holds at most: the speed of a motor, an angle [rad]."""
+"""Largest limit of a joint's angle that a level can have [rad]."""
 
 _Change = tuple[Command, str]
 
