@@ -64,6 +64,21 @@ def levels_named(session: Session, sources: tuple[str, ...]) -> list[tuple[Evalu
     ]
 
 
+def sources_asked(session: Session) -> tuple[str, ...]:
+    """Return the sources that the fields of *Evaluate* name; the gallery's are those chosen now.
+
+    Raises:
+        CommandError: Nothing is chosen in the gallery.
+    """
+    form = session.viewer.form
+    if form.source != "chosen":
+        return form.paths
+    chosen = session.gallery.chosen(session.library)
+    if not chosen:
+        raise CommandError("Choose levels in the gallery first (Ctrl+G).")
+    return tuple(card.path for card in chosen)
+
+
 def _name_of(path: Path) -> str:
     """A bundled level by its name, so that results are called as on the command line."""
     resolved = path.resolve()
