@@ -3,6 +3,7 @@
 import os
 from pathlib import Path
 
+from editor.actions import file
 from editor.actions import gallery as browsing
 from editor.base.prompts import Choice, FileQuestion, Question
 from editor.gallery import filing
@@ -46,6 +47,18 @@ def load_into_set(session: Session, path: Path) -> None:
         _ask_to_unpack(session, path, loaded)
     else:
         _replace(session, files, f"{plural(len(files), 'level')} of {set_name(path)}")
+
+
+def open_set(session: Session, path: Path) -> bool:
+    """Show the gallery with the levels of a set; returns False where a window says why not."""
+    try:
+        load_into_set(session, path)
+    except LevelError as error:
+        file.tell(session, "This cannot be opened", str(error))
+        return False
+    if not session.gallery.open:
+        browsing.toggle(session)
+    return True
 
 
 def _ask_to_unpack(session: Session, path: Path, loaded: LoadedSet) -> None:

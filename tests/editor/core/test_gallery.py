@@ -12,7 +12,9 @@ import pytest
 from editor import actions
 from editor.actions import gallery as doing
 from editor.actions import level_sets, unsaved
+from editor.actions.file import open_path
 from editor.agents.evaluation import Evaluation
+from editor.base.events import DropEvent
 from editor.base.prompts import FileQuestion, TextQuestion
 from editor.base.state_file import write_state
 from editor.gallery import filing
@@ -726,6 +728,22 @@ def test_an_exported_set_comes_back_into_the_tray(session, folder, tmp_path):
     export_set({folder / "rocket.json": 2.5}, SetPlan(form="folder"), tmp_path / "set")
     level_sets.load_into_set(session, tmp_path / "set" / "set.json")
     assert session.gallery.tray == {str(tmp_path / "set" / "rocket.json"): 2.5}
+
+
+def test_a_set_that_is_dropped_on_the_window_comes_into_the_gallery(session, folder, tmp_path):
+    export_set({folder / "rocket.json": 2.5}, SetPlan(form="folder"), tmp_path / "other")
+    file = tmp_path / "other" / "set.json"
+    session.gallery.open = False
+    actions.handle(session, DropEvent(path=str(file)))
+    assert session.gallery.open and not session.prompts
+    assert session.gallery.tray == {str(tmp_path / "other" / "rocket.json"): 2.5}
+    # As a level it cannot be opened: it says where it can.
+    assert not open_path(session, file)
+    assert "this is a level set; drop it on the window" in session.prompts.pop().message
+    (tmp_path / "other" / "rocket.json").unlink()
+    session.gallery.open = False
+    actions.handle(session, DropEvent(path=str(file)))
+    assert "rocket.json" in session.prompts[-1].message and not session.gallery.open
 
 
 def test_the_levels_of_a_set_are_those_of_the_gallery(session, folder):
