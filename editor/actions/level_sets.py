@@ -176,6 +176,8 @@ def export_now(session: Session) -> None:
         doubles = len(gallery.tray) - len(made.levels)
         train = sum(each.split == "train" for each in made.levels)
         more = f", {doubles} left out because they equal others" if doubles else ""
+        if doubles and len(set(gallery.tray.values())) > 1:
+            more += ", the largest weight stays"
         session.toast(
             f"Saved {path}: {train} to train on, {len(made.levels) - train} to evaluate on{more}",
             "success",

@@ -463,6 +463,19 @@ def test_a_set_splits_weighs_and_leaves_doubles_out(folder, tmp_path, form):
     assert (form == "file") == all(each.path is None for each in loaded.levels)
 
 
+def test_of_equal_levels_the_largest_weight_stays_and_is_told(session, folder, tmp_path):
+    save_level(load_level(folder / "rocket.json"), folder / "again.json")
+    weights = {"rocket": 1.0, "again": 5.0, "carts/hill_cart": 2.0}
+    session.gallery.tray = {str(folder / f"{name}.json"): w for name, w in weights.items()}
+    level_sets.ask_export(session)
+    level_sets.export_now(session)
+    session.answer(session.prompts[-1], tmp_path / "x.json")
+    assert sorted(each.weight for each in load_set(tmp_path / "x.json").levels) == [2.0, 5.0]
+    assert texts(session)[-1].endswith(
+        ", 1 left out because they equal others, the largest weight stays"
+    )
+
+
 def test_one_file_of_the_app_is_what_the_command_puts_inline(folder, tmp_path):
     paths = [folder / f"l{k}.json" for k in range(4)]
     for k, path in enumerate(paths):
