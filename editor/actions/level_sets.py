@@ -11,7 +11,7 @@ from editor.gallery.export import SetPlan, export_set, unpack
 from editor.session import Session
 from editor.session.messages import Kind
 from kinetix.errors import CommandError, LevelError
-from kinetix.level.sets import LoadedSet, load_set
+from kinetix.level.sets import LoadedSet, inline_losses, load_set
 from kinetix.paths import user_levels_dir
 from kinetix.wording import plural
 
@@ -182,6 +182,7 @@ def export_now(session: Session) -> None:
             f"Saved {path}: {train} to train on, {len(made.levels) - train} to evaluate on{more}",
             "success",
         )
+        _tell_losses(session, made, inline=not folder)
         browsing.look(session)
 
     session.ask(
@@ -194,6 +195,16 @@ def export_now(session: Session) -> None:
             answer=answer,
         )
     )
+
+
+def _tell_losses(session: Session, made: LoadedSet, *, inline: bool) -> None:
+    """Say what the set does not carry of kinetix-env's files, as `kinetix levelset build` does."""
+    told = inline_losses(made, inline=inline)
+    if told:
+        more = f" (and {len(told) - 1} more, see the log)" if len(told) > 1 else ""
+        session.toast(f"{told[0]}{more}", "warning")
+    for sentence in told[1:]:
+        session.log.add(sentence)
 
 
 def _set_folder(session: Session) -> Path:

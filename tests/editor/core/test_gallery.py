@@ -26,7 +26,7 @@ from editor.gallery.search import Wish, tag_counts, wanted
 from editor.gallery.thumbnail import SIDE, draw_thumbnail
 from kinetix.cli import main
 from kinetix.errors import CommandError, LevelError
-from kinetix.level.codec import level_hash, load_level, save_level
+from kinetix.level.codec import dumps, level_hash, load_level, save_level
 from kinetix.level.model import Body, Circle, Level, Polygon, Thruster
 from kinetix.level.sets import load_set
 from kinetix.paths import levels_dir
@@ -473,6 +473,23 @@ def test_of_equal_levels_the_largest_weight_stays_and_is_told(session, folder, t
     assert sorted(each.weight for each in load_set(tmp_path / "x.json").levels) == [2.0, 5.0]
     assert texts(session)[-1].endswith(
         ", 1 left out because they equal others, the largest weight stays"
+    )
+
+
+def test_what_one_file_does_not_carry_of_kinetix_env_s_is_told(session, folder, tmp_path):
+    paths = [folder / name for name in ("peer.json", "other.json")]
+    for k, path in enumerate(paths):
+        tree = json.loads(dumps(playable(path.stem, 1.0 + k), format="kinetix-env"))
+        slots = tree["env_state"]["polygon"]
+        row = next(k for k, each in enumerate(slots) if k > 3 and each["active"])
+        slots[row]["highlighted"] = True
+        path.write_text(json.dumps(tree))
+    session.gallery.tray = dict.fromkeys(map(str, paths), 1.0)
+    level_sets.ask_export(session)
+    level_sets.export_now(session)
+    session.answer(session.prompts[-1], tmp_path / "x.json")
+    assert texts(session)[-1] == (
+        f"{paths[0]}: put into the set; not carried: highlights (and 1 more, see the log)"
     )
 
 
