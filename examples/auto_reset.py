@@ -12,6 +12,7 @@ from kinetix import (
     make_reset_fn_sample_kinetix_level,
     static_env_params_from_size,
 )
+from kinetix.errors import one_sentence
 
 
 def main() -> None:
@@ -59,4 +60,5 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    with one_sentence():
+        main()

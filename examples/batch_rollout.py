@@ -13,6 +13,7 @@ from kinetix import (
     use_all_cores,
     vectorize,
 )
+from kinetix.errors import one_sentence
 
 
 def main() -> None:
@@ -62,4 +63,5 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    with one_sentence():
+        main()

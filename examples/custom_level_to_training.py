@@ -6,6 +6,8 @@ from typing import Final
 
 from kinetix import save_level
 from kinetix.cli import main as kinetix
+from kinetix.errors import one_sentence
+from kinetix.files.folders import made_folder
 from kinetix.level.model import Body, Circle, Joint, Level, Motor, Polygon
 
 BUDGET: Final = 262_144
@@ -46,8 +48,7 @@ def main() -> int:
     parser.add_argument("arguments", nargs="*", help="more arguments for `kinetix train ppo`")
     given = parser.parse_args()
 
-    given.out.mkdir(parents=True, exist_ok=True)
-    file = given.out / "ramp_roller.json"
+    file = made_folder(given.out) / "ramp_roller.json"
     save_level(ramp_roller(), file)
     if kinetix(["validate", str(file)]):
         return 1
@@ -57,4 +58,5 @@ def main() -> int:
 
 
 if __name__ == "__main__":
-    raise SystemExit(main())
+    with one_sentence():
+        raise SystemExit(main())

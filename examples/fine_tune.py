@@ -5,29 +5,27 @@ import tomllib
 from pathlib import Path
 
 from kinetix.cli import main as kinetix
+from kinetix.errors import one_sentence
+from kinetix.level.sets import gather_levels
 from kinetix.paths import checkpoints_dir
 from kinetix.training.logging import read_metrics
-
-LONGEST = 256
-"""Time limit of most levels [environment steps]."""
 
 Curve = list[tuple[float, float]]
 """Environment steps, and the solve rate of the episodes that ended about then."""
 
 
-def first_step(run: Path) -> int:
-    """The step from which no first episode of a run can be going on any more."""
+def first_step(run: Path, longest: int) -> int:
+    """The step from which no first episode can be going on that lasts no longer than this."""
     settings = tomllib.loads((run / "config.toml").read_text())
-    return settings["num_train_envs"] * LONGEST
+    return settings["num_train_envs"] * longest
 
 
-def curve(run: Path, window: int = 5) -> Curve:
+def curve(run: Path, begin: int, window: int = 5) -> Curve:
     """A run's learning curve: the share of solved episodes over a few updates.
 
-    It begins when no first episode can be going on any more: until then those that are over are the
-    short ones, which are mostly wins.
+    It begins at the step from which no first episode can be going on any more: until then those
+    that are over are the short ones, which are mostly wins.
     """
-    begin = first_step(run)
     rows = [row for row in read_metrics(run) if "episode_solved" in row]
     points = []
     for index in range(len(rows)):
@@ -69,6 +67,7 @@ def main() -> int:
     parser.add_argument("arguments", nargs="*", help="more arguments for `kinetix train ppo`")
     given = parser.parse_args()
 
+    longest = max(each.level.max_timesteps for each in gather_levels([given.level]))
     # What an agent can do is lost in large steps, and while the critic knows nothing of the level.
     gently = ["--learning-rate", "3e-4", "--critic-warmup", "4"]
     starts = {"from the general agent": ["--from", str(given.agent), *gently], "from nothing": []}
@@ -80,8 +79,9 @@ def main() -> int:
             command += ["--seed", str(seed), "--eval-freq", "0", "--out", str(run)]
             if status := kinetix([*command, *start, *given.arguments]):
                 return status
-            points = curve(run)
-            unknown = f"unknown: it counts from step {first_step(run)}; train for longer"
+            begin = first_step(run, longest)
+            points = curve(run, begin)
+            unknown = f"unknown: it counts from step {begin}; train for longer"
             last = f"{points[-1][1]:.2f}" if points else unknown
             print(f"{name}, seed {seed}: solve rate at the end {last}")
             if points:
@@ -97,4 +97,5 @@ def main() -> int:
 
 
 if __name__ == "__main__":
-    raise SystemExit(main())
+    with one_sentence():
+        raise SystemExit(main())

@@ -7,6 +7,7 @@ import jax
 import jax.numpy as jnp
 
 from kinetix import load_from_json_file, load_level, make_kinetix_env
+from kinetix.errors import one_sentence
 
 
 def main() -> None:
@@ -46,4 +47,5 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    with one_sentence():
+        main()

@@ -14,6 +14,8 @@ from kinetix import (
     make_reset_fn_sample_kinetix_level,
     static_env_params_from_size,
 )
+from kinetix.errors import one_sentence
+from kinetix.files.folders import made_folder
 from kinetix.render import make_inverse_render_symbolic
 
 
@@ -23,6 +25,9 @@ def main() -> None:
     parser.add_argument("--out", type=Path, default=Path("observed.png"))
     parser.add_argument("--seed", type=int, default=3)
     arguments = parser.parse_args()
+    if Image.registered_extensions().get(arguments.out.suffix.lower()) not in Image.SAVE:
+        parser.error(f"--out {arguments.out}: expected a name that ends as a picture's, as in .png")
+    made_folder(arguments.out.parent)
 
     env_params = EnvParams()
     static_env_params = static_env_params_from_size("m")
@@ -36,10 +41,10 @@ def main() -> None:
     observation, _ = env.reset(jax.random.PRNGKey(arguments.seed), env_params)
     draw = jax.jit(make_inverse_render_symbolic(env_params, static_env_params))
     picture = np.asarray(draw(observation).astype(jnp.uint8))
-    arguments.out.parent.mkdir(parents=True, exist_ok=True)
     Image.fromarray(picture.transpose(1, 0, 2)[::-1]).save(arguments.out)
     print(arguments.out)
 
 
 if __name__ == "__main__":
-    main()
+    with one_sentence():
+        main()

@@ -20,6 +20,7 @@ from kinetix import (  # noqa: E402
     static_env_params_from_size,
 )
 from kinetix.environment.jaxued import as_underspecified_env  # noqa: E402
+from kinetix.errors import one_sentence  # noqa: E402
 
 
 def main() -> None:
@@ -75,4 +76,5 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    with one_sentence():
+        main()

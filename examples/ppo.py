@@ -10,6 +10,7 @@ import argparse
 import dataclasses
 import time
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import flax.linen as nn
@@ -27,6 +28,8 @@ from kinetix import (
     make_reset_fn_sample_kinetix_level,
     static_env_params_from_size,
 )
+from kinetix.errors import one_sentence
+from kinetix.files.folders import made_folder
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -207,7 +210,7 @@ def make_train(config: Config, env: Any, env_params: EnvParams) -> Callable[[jax
     return train
 
 
-def plot(solved: np.ndarray, config: Config, file: str) -> None:
+def plot(solved: np.ndarray, config: Config, file: Path) -> None:
     """Draw the share of solved episodes, one line per seed."""
     import matplotlib.pyplot as plt
 
@@ -228,8 +231,12 @@ def main() -> None:
     parser.add_argument("--steps", type=int, default=Config.steps)
     parser.add_argument("--envs", type=int, default=Config.envs)
     parser.add_argument("--seeds", type=int, default=1)
-    parser.add_argument("--plot", default="", help="a PNG (needs matplotlib)")
+    parser.add_argument("--plot", type=Path, help="a PNG (needs matplotlib)")
     arguments = parser.parse_args()
+    if arguments.plot:
+        if arguments.plot.suffix.lower() not in (".png", ".svg", ".pdf"):
+            parser.error(f"--plot {arguments.plot}: expected a name that ends in .png")
+        made_folder(arguments.plot.parent)
 
     config = Config(steps=arguments.steps, envs=arguments.envs)
     env = make_env(arguments.size, arguments.levels, arguments.physics)
@@ -248,4 +255,5 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    with one_sentence():
+        main()

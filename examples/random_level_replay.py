@@ -14,17 +14,27 @@ from kinetix import (
     make_reset_fn_sample_kinetix_level,
     static_env_params_from_size,
 )
-from kinetix.render.film import write_film
+from kinetix.errors import one_sentence
+from kinetix.files.folders import made_folder
+from kinetix.render.film import FILM_SUFFIXES, ffmpeg, write_film
 
 
 def main() -> None:
     """Run the example."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--out", default="random_level.gif")
+    parser.add_argument("--out", type=Path, default=Path("random_level.gif"))
     parser.add_argument("--steps", type=int, default=128)
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--physics", default="balanced")
     arguments = parser.parse_args()
+    kind = arguments.out.suffix.lower()
+    if kind not in FILM_SUFFIXES:
+        parser.error(f"--out {arguments.out}: expected a name that ends in .gif or .mp4")
+    if arguments.steps < 1:
+        parser.error(f"--steps {arguments.steps}: expected at least 1")
+    if kind == ".mp4":
+        ffmpeg()  # what is missing is told before the work
+    made_folder(arguments.out.parent)
 
     env_params = EnvParams()
     static_env_params = static_env_params_from_size("m", physics=arguments.physics)
@@ -49,9 +59,10 @@ def main() -> None:
 
     # Pictures have the axes x, y, channel with y up; image files want rows from the top.
     frames = [picture.transpose(1, 0, 2)[::-1] for picture in np.asarray(pictures)]
-    write_film(Path(arguments.out), frames, kind=".gif", per_second=30)
+    write_film(arguments.out, frames, kind=kind, per_second=30)
     print(f"{arguments.out}: return {rewards.sum():.3f}, {int(dones.sum())} episodes ended")
 
 
 if __name__ == "__main__":
-    main()
+    with one_sentence():
+        main()

@@ -13,6 +13,7 @@ from stoa.core_wrappers.vmap import VmapWrapper
 
 from kinetix import load_from_json_file, make_kinetix_env, make_reset_fn_list_of_levels
 from kinetix.environment.stoa import as_stoa_env
+from kinetix.errors import one_sentence
 
 
 def main() -> None:
@@ -48,4 +49,5 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    with one_sentence():
+        main()

@@ -1,5 +1,7 @@
 """The errors that users meet: one sentence each, saying what is wrong and what was expected."""
 
+import contextlib
+from collections.abc import Iterator
 from typing import Any, Final
 
 LONGEST: Final = 1000
@@ -57,3 +59,16 @@ class CheckpointError(KinetixError):
 
 class CommandError(KinetixError):
     """An edit cannot be done to this level; the sentence is meant for the status bar."""
+
+
+@contextlib.contextmanager
+def one_sentence() -> Iterator[None]:
+    """End a script with status 1 and the sentence alone where an error of ours comes out of it.
+
+    Raises:
+        SystemExit: One did.
+    """
+    try:
+        yield
+    except KinetixError as error:
+        raise SystemExit(f"error: {error}") from None

@@ -3,7 +3,7 @@
 import tempfile
 from pathlib import Path
 
-from editor.actions import comparison, export, file
+from editor.actions import comparison, export, file, level_sets
 from editor.base.prompts import TextQuestion
 from editor.documents.document import Document
 from editor.play.trace_files import SUFFIX
@@ -12,6 +12,7 @@ from kinetix.agents.stored_comparison import is_comparison
 from kinetix.errors import KinetixError
 from kinetix.files.address import fetch, is_address, name_of
 from kinetix.level.codec import load_level
+from kinetix.level.sets import is_set_file
 
 
 def ask(session: Session) -> None:
@@ -80,7 +81,7 @@ def _level(session: Session, path: Path) -> None:
 
 
 def open_any(session: Session, words: str) -> bool:
-    """Open a level, an episode, a comparison or an address; whether it is open or on its way."""
+    """Open a level, a set, an episode, a comparison or an address; whether it is, or on its way."""
     if is_address(words):
         open_address(session, words)
         return True
@@ -90,4 +91,6 @@ def open_any(session: Session, words: str) -> bool:
         return export.open_trace(session, path)
     if suffix == ".json" and is_comparison(path):
         return comparison.open_comparison(session, path)
+    if suffix == ".json" and is_set_file(path):
+        return level_sets.open_set(session, path)
     return file.open_path(session, path)

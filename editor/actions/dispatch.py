@@ -177,7 +177,7 @@ def _words(session: Session, action_id: str) -> tuple[str, str]:
 
 
 def _dropped(session: Session, path: Path) -> None:
-    """An agent goes to the viewer, a folder to the gallery, a file is opened."""
+    """An agent goes to the viewer, folders and level sets to the gallery, a file is opened."""
     folder = agent_folder(path)
     if folder is not None:
         agents.choose_agent(session, folder)

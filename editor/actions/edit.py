@@ -66,12 +66,20 @@ def cut(session: Session) -> None:
     if not found.bodies:
         raise CommandError("Only shapes can be cut, with what hangs on them: Delete removes it.")
     session.clipboard.set(clip.dumps(found))
-    session.execute(Remove(ids=tuple(body.id for body in found.bodies)))
+    before = {joint.id for joint in session.document.level.joints}
+    if not session.execute(Remove(ids=tuple(body.id for body in found.bodies))).changed:
+        return
     staying = sum(entity.id in ids for entity in session.document.level.entities())
     if staying == 1:
         session.complain("1 thing stays: it hangs on what was not cut.")
     elif staying:
         session.complain(f"{staying} things stay: they hang on what was not cut.")
+    level = session.document.level
+    lost = before - {joint.id for joint in (*level.joints, *found.joints)}
+    if len(lost) == 1:
+        session.complain("1 joint is gone: it led to what was not cut.")
+    elif lost:
+        session.complain(f"{len(lost)} joints are gone: they led to what was not cut.")
 
 
 def paste(session: Session) -> None:

@@ -24,7 +24,8 @@ def if_free(session: Session, then: Callable[[], None]) -> None:
     session.ask(
         Question(
             title="Stop the evaluation?",
-            message="An evaluation is under way. What it has found so far would be lost.",
+            message="An evaluation is under way. Its table would be lost; "
+            "the gallery keeps the levels that were played to the end.",
             choices=(
                 Choice(id="cancel", label="Let It Go On"),
                 Choice(id="stop", label="Stop It"),

@@ -17,7 +17,6 @@ from kinetix.level.codec import level_hash, resolve_path
 from kinetix.level.model import Level
 
 NEW_LEVEL: Final = Level(name="Untitled")
-LEVEL_SUFFIXES: Final = (".json",)
 MESSAGE_LENGTH: Final = 600
 """Of a longer message the log has the rest [characters]."""
 
@@ -44,9 +43,7 @@ def open_path(
     try:
         document = files.open_document(path, session.old_names)
     except LevelError as error:
-        other = Path(path).suffix.lower() not in ("", *LEVEL_SUFFIXES) and os.path.isfile(path)
-        told = f"{path}: this is no level; a level is a file that ends in .json" if other else error
-        tell(session, "This cannot be opened", str(told))
+        tell(session, "This cannot be opened", files.why_not(path, error))
         return False
     with session.guard():
         assert document.path is not None
@@ -168,7 +165,7 @@ def ask_open(session: Session) -> None:
             purpose="open",
             title="Open level",
             folder=folders.to_open(session),
-            suffixes=LEVEL_SUFFIXES,
+            suffixes=files.LEVEL_SUFFIXES,
             answer=answer,
         )
     )
@@ -231,7 +228,7 @@ def save_as(
             title=title,
             folder=folder,
             name=name,
-            suffixes=LEVEL_SUFFIXES,
+            suffixes=files.LEVEL_SUFFIXES,
             answer=answer,
         )
     )

@@ -6,6 +6,7 @@ from typing import Final
 
 from editor.actions import export, recording
 from editor.actions.file import ask_moment, if_settled, save
+from editor.actions.measure import keep_results
 from editor.base.prompts import Choice, Question
 from editor.session import Session, Tab
 from editor.worker.requests import AddEpisode
@@ -175,5 +176,8 @@ def _leave(session: Session) -> None:
             session.autosaves.forget(document)
     with session.guard():
         session.keeper.save(again=True)
+    session.viewer.evaluation.cancel()
+    with session.guard():
+        keep_results(session)
     session.training.stop()  # It saves; the command line can go on with it.
     session.quitting = True

@@ -3,6 +3,7 @@
 import os
 from pathlib import Path
 
+from editor.actions import file
 from editor.actions import gallery as browsing
 from editor.base.prompts import Choice, FileQuestion, Question
 from editor.gallery import filing
@@ -10,7 +11,7 @@ from editor.gallery.export import SetPlan, export_set, unpack
 from editor.session import Session
 from editor.session.messages import Kind
 from kinetix.errors import CommandError, LevelError
-from kinetix.level.sets import LoadedSet, load_set
+from kinetix.level.sets import LoadedSet, inline_losses, load_set
 from kinetix.paths import user_levels_dir
 from kinetix.wording import plural
 
@@ -46,6 +47,18 @@ def load_into_set(session: Session, path: Path) -> None:
         _ask_to_unpack(session, path, loaded)
     else:
         _replace(session, files, f"{plural(len(files), 'level')} of {set_name(path)}")
+
+
+def open_set(session: Session, path: Path) -> bool:
+    """Show the gallery with the levels of a set; returns False where a window says why not."""
+    try:
+        load_into_set(session, path)
+    except LevelError as error:
+        file.tell(session, "This cannot be opened", str(error))
+        return False
+    if not session.gallery.open:
+        browsing.toggle(session)
+    return True
 
 
 def _ask_to_unpack(session: Session, path: Path, loaded: LoadedSet) -> None:
@@ -163,10 +176,13 @@ def export_now(session: Session) -> None:
         doubles = len(gallery.tray) - len(made.levels)
         train = sum(each.split == "train" for each in made.levels)
         more = f", {doubles} left out because they equal others" if doubles else ""
+        if doubles and len(set(gallery.tray.values())) > 1:
+            more += ", the largest weight stays"
         session.toast(
             f"Saved {path}: {train} to train on, {len(made.levels) - train} to evaluate on{more}",
             "success",
         )
+        _tell_losses(session, made, inline=not folder)
         browsing.look(session)
 
     session.ask(
@@ -179,6 +195,16 @@ def export_now(session: Session) -> None:
             answer=answer,
         )
     )
+
+
+def _tell_losses(session: Session, made: LoadedSet, *, inline: bool) -> None:
+    """Say what the set does not carry of kinetix-env's files, as `kinetix levelset build` does."""
+    told = inline_losses(made, inline=inline)
+    if told:
+        more = f" (and {len(told) - 1} more, see the log)" if len(told) > 1 else ""
+        session.toast(f"{told[0]}{more}", "warning")
+    for sentence in told[1:]:
+        session.log.add(sentence)
 
 
 def _set_folder(session: Session) -> Path:

@@ -25,6 +25,7 @@ from editor.worker.requests import (
     LoadAgent,
     Opened,
     OpenEpisode,
+    Standing,
     TracePaths,
 )
 from kinetix.errors import CommandError
@@ -61,6 +62,21 @@ def levels_named(session: Session, sources: tuple[str, ...]) -> list[tuple[Evalu
         )
         for level in gather_levels([_name_of(Path(source)) for source in sources])
     ]
+
+
+def sources_asked(session: Session) -> tuple[str, ...]:
+    """Return the sources that the fields of *Evaluate* name; the gallery's are those chosen now.
+
+    Raises:
+        CommandError: Nothing is chosen in the gallery.
+    """
+    form = session.viewer.form
+    if form.source != "chosen":
+        return form.paths
+    chosen = session.gallery.chosen(session.library)
+    if not chosen:
+        raise CommandError("Choose levels in the gallery first (Ctrl+G).")
+    return tuple(card.path for card in chosen)
 
 
 def _name_of(path: Path) -> str:
@@ -313,28 +329,35 @@ def _go_on_with(session: Session, summary: AgentSummary, casting: Casting) -> No
 
 
 def keep_results(session: Session) -> None:
-    """Note who solved what for the gallery, once an evaluation has come to its end."""
-    viewer = session.viewer
-    if viewer.evaluation.finished <= viewer.recorded:
-        return
-    viewer.recorded = viewer.evaluation.finished
-    evaluation = viewer.evaluation
-    plan = evaluation.plan
-    if plan is None:
-        return
-    for number, agent in enumerate(plan.agents):
-        results = {result.level: result for result in evaluation.results(number)}
-        records = {
-            sha256: Record(attempts=result.attempts, solved=result.solved)
-            for level, sha256 in zip(plan.levels, plan.hashes, strict=True)
-            if (result := results.get(level.name)) is not None
-        }
-        trial = Trial(
-            player=agent.name,
-            digest=agent.digest,
-            physics=plan.physics_of(number),
-            deterministic=plan.deterministic,
-            seed=plan.seed,
-            card=agent.card_digest,
-        )
+    """Note who solved what for the gallery, once an evaluation has come to its end.
+
+    Of one that was cancelled or failed, the levels that were played to the end count.
+    """
+    ended = session.viewer.evaluation.ended
+    while ended:
+        plan, standing = ended.pop(0)
+        for number in range(len(plan.agents)):
+            _keep(session, plan, standing, number)
+
+
+def _keep(session: Session, plan: Plan, standing: Standing, number: int) -> None:
+    """Note what one agent of an evaluation solved."""
+    agent = plan.agents[number]
+    results = {
+        score.result.level: score.result for score in standing.scores if score.agent == number
+    }
+    records = {
+        sha256: Record(attempts=result.attempts, solved=result.solved)
+        for level, sha256 in zip(plan.levels, plan.hashes, strict=True)
+        if (result := results.get(level.name)) is not None
+    }
+    trial = Trial(
+        player=agent.name,
+        digest=agent.digest,
+        physics=plan.physics_of(number),
+        deterministic=plan.deterministic,
+        seed=plan.seed,
+        card=agent.card_digest,
+    )
+    if records:
         session.results.record(trial, records)

@@ -4,6 +4,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from editor.actions.comparison import about_comparison
+from editor.actions.unsaved import listed
 from editor.base.prompts import FileQuestion
 from editor.session import Session
 from kinetix.errors import CommandError
@@ -38,7 +39,7 @@ def save_table(session: Session, path: Path) -> None:
     """Write the table in the form that the file's ending asks for.
 
     Raises:
-        CommandError: It has another ending.
+        CommandError: It has another ending, or is a comparison and no agent has played all levels.
         LevelError: The file cannot be written.
     """
     evaluation = session.viewer.evaluation
@@ -51,7 +52,28 @@ def save_table(session: Session, path: Path) -> None:
     suffix = path.suffix.lower()
     if suffix not in texts:
         raise CommandError(f"{path.name}: expected a name that ends in {', '.join(texts)}")
-    if suffix in (".html", ".json") and not evaluation.contenders():
-        raise CommandError("Wait until an agent has played all levels.")
+    missing: list[str] = []
+    if suffix in (".html", ".json"):
+        missing = _unfinished(session)
     write_atomically(path, texts[suffix]().encode())
-    session.toast(f"Wrote {path}", "success")
+    if missing:
+        session.toast(f"Wrote {path} without agents that lack levels: {listed(missing)}", "warning")
+    else:
+        session.toast(f"Wrote {path}", "success")
+
+
+def _unfinished(session: Session) -> list[str]:
+    """Return the agents that a comparison has no place for: some levels of theirs are missing.
+
+    Raises:
+        CommandError: Nothing would be left.
+    """
+    evaluation = session.viewer.evaluation
+    done = [contender.provenance for contender in evaluation.contenders()]
+    plan = evaluation.plan
+    if plan is not None and done:
+        every = enumerate(plan.agents)
+        return [agent.name for k, agent in every if plan.provenance(k) not in done]
+    if evaluation.running:
+        raise CommandError("Wait until an agent has played all levels.")
+    raise CommandError("No agent has played all levels: .csv or .jsonl keeps what is done.")

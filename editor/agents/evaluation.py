@@ -131,8 +131,8 @@ class Evaluation:
         self._of: tuple[Plan | None, Standing | None] = (None, None)
         """The plan and the standing that `_computed` is about."""
         self._computed: dict[str, Any] = {}
-        self.finished = 0
-        """Rises when an evaluation has come to its end."""
+        self.ended: list[tuple[Plan, Standing]] = []
+        """What has come to its end, also to an early one, until its results are kept."""
 
     @property
     def running(self) -> bool:
@@ -192,8 +192,10 @@ class Evaluation:
     def cancel(self) -> None:
         """Stop; what is known so far stays in the table."""
         if self.running and self.job is not None:
+            self.tick()
             self.job.cancel()
             self.cancelled = True
+            self._end()
 
     def tick(self) -> None:
         """Take what the worker knows so far; call it once a frame."""
@@ -205,9 +207,15 @@ class Evaluation:
             return
         if job.state is JobState.DONE:
             self.standing = job.result
-            self.finished += 1
+            self._end()
         elif job.state is JobState.FAILED:
-            self.error = job.error
+            self.standing, self.error = job.partial or self.standing, job.error
+            self._end()
+
+    def _end(self) -> None:
+        """Hand on what is known; a level has a result only when all of its attempts are over."""
+        if self.plan is not None and self.standing is not None:
+            self.ended.append((self.plan, self.standing))
 
     def rows(
         self,

@@ -10,7 +10,7 @@ class EvaluationForm:
     source: str = "this"
     """Which levels: "this" one in front, a size ("s", "m", "l"), "chosen", "folder", or "set"."""
     paths: tuple[str, ...] = ()
-    """The folder or file of these levels, where one was chosen."""
+    """The folder or file of these levels, where one was chosen; the gallery's are not kept."""
     attempts: int = 20
     """Per level and agent."""
     seed: int = 0

@@ -99,8 +99,6 @@ class Viewer:
         self.eye_pending = False
         self.eye_error = ""
         self.eye_stamp = 0
-        self.recorded = 0
-        """Evaluations whose results are kept already."""
         self.compared_episode = -1
         """The episode that the rival belongs to."""
 

@@ -2,6 +2,7 @@
 
 import os
 from pathlib import Path
+from typing import Final
 
 from editor.documents.commands.fields import SetLevelField
 from editor.documents.document import Document, Format, Stamp
@@ -13,7 +14,10 @@ from kinetix.files.regular import FileError, read_bytes
 from kinetix.level.codec import dumps, load_document, resolve_path
 from kinetix.level.kinetix_env import lost_fields
 from kinetix.level.model import Level
+from kinetix.level.sets import is_set_file
 from kinetix.level.sizes import without_outgrown_size
+
+LEVEL_SUFFIXES: Final = (".json",)
 
 
 def open_document(path: str | Path, waiting: OldNames | None = None) -> Document:
@@ -110,3 +114,12 @@ def changed_outside(document: Document) -> bool:
         document.stamp = now
         return False
     return True
+
+
+def why_not(path: str | Path, error: LevelError) -> str:
+    """Return why a file cannot be opened, and what it is instead where that is known."""
+    if Path(path).suffix.lower() not in ("", *LEVEL_SUFFIXES) and os.path.isfile(path):
+        return f"{path}: this is no level; a level is a file that ends in .json"
+    if is_set_file(Path(path)):
+        return f"{path}: this is a level set; drop it on the window, and the gallery takes it"
+    return str(error)

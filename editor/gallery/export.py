@@ -125,7 +125,7 @@ def _copies(
             new.append(path)
         if not _holds(path, each.level):
             write_with_backup(path, dumps(each.level).encode(), keep_all=True)
-        placed.append(dataclasses.replace(each, path=path, name=name))
+        placed.append(dataclasses.replace(each, path=path, name=name, native=True))
     return placed
 
 
@@ -143,11 +143,12 @@ def _holds(path: Path, level: Level) -> bool:
 
 
 def _read(path: Path, weight: float) -> SetLevel:
-    level = load_document(path.resolve()).level
+    loaded = load_document(path.resolve())
     return SetLevel(
         name=path.stem,
-        level=level,
-        tags=level.tags,
+        level=loaded.level,
+        tags=loaded.level.tags,
         weight=weight,
         path=path,
+        native=loaded.source is None,
     )

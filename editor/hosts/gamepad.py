@@ -4,7 +4,7 @@ SDL knows the layout of most pads and gives their parts common names, whatever t
 """
 
 import contextlib
-from typing import Final
+from typing import Final, TypeAlias
 
 import pygame
 from pygame._sdl2 import controller, sdl2
@@ -39,13 +39,16 @@ _BUTTONS: Final = {
     pygame.CONTROLLER_BUTTON_BACK: "pad back",
 }
 
+_Source: TypeAlias = tuple[int, str, str]
+"""What can be pushed on its own: a pad, the stick or button of it, and the name that it gives."""
+
 
 class Gamepads:
     """Opens every pad that is plugged in and turns its events into ours."""
 
     def __init__(self) -> None:
         self._open: dict[int, controller.Controller] = {}
-        self._pushed: set[str] = set()
+        self._pushed: set[_Source] = set()
         # Without pads, or without the rights to them, the app does as well.
         with contextlib.suppress(*_FAILURES):
             controller.init()
@@ -56,30 +59,44 @@ class Gamepads:
             with contextlib.suppress(*_FAILURES):
                 self._open[event.device_index] = controller.Controller(event.device_index)
         elif event.type == pygame.CONTROLLERDEVICEREMOVED:
-            return self._let_go()
+            return self._let_go(_pad(event))
         elif event.type == pygame.CONTROLLERAXISMOTION:
-            return self._axis(event.axis, event.value / _FULL)
+            return self._axis(_pad(event), event.axis, event.value / _FULL)
         elif event.type in (pygame.CONTROLLERBUTTONDOWN, pygame.CONTROLLERBUTTONUP):
             name = _BUTTONS.get(event.button)
             if name is not None:
-                return self._set(name, event.type == pygame.CONTROLLERBUTTONDOWN)
+                source = (_pad(event), f"button {event.button}", name)
+                return self._set(source, event.type == pygame.CONTROLLERBUTTONDOWN)
         return []
 
-    def _axis(self, axis: int, value: float) -> list[events.InputEvent]:
+    def _axis(self, pad: int, axis: int, value: float) -> list[events.InputEvent]:
         found: list[events.InputEvent] = []
         for name, way in zip(_AXES.get(axis, ()), (-value, value), strict=False):
+            source = (pad, f"axis {axis}", name)
             if way >= PRESS:
-                found += self._set(name, True)
+                found += self._set(source, True)
             elif way <= RELEASE:
-                found += self._set(name, False)
+                found += self._set(source, False)
         return found
 
-    def _set(self, name: str, pressed: bool) -> list[events.InputEvent]:
-        if pressed == (name in self._pushed):
+    def _set(self, source: _Source, pressed: bool) -> list[events.InputEvent]:
+        """Note one source: its name is held as long as any source of that name is pushed."""
+        name = source[-1]
+        held = self._holds(name)
+        (self._pushed.add if pressed else self._pushed.discard)(source)
+        if self._holds(name) == held:
             return []
-        (self._pushed.add if pressed else self._pushed.discard)(name)
         return [events.PadEvent(control=name, pressed=pressed)]
 
-    def _let_go(self) -> list[events.InputEvent]:
+    def _holds(self, name: str) -> bool:
+        return any(source[-1] == name for source in self._pushed)
+
+    def _let_go(self, pad: int) -> list[events.InputEvent]:
         """A pad was pulled out: nothing of it is held any more."""
-        return [event for name in tuple(self._pushed) for event in self._set(name, False)]
+        gone = [source for source in self._pushed if source[0] == pad]
+        return [event for source in gone for event in self._set(source, False)]
+
+
+def _pad(event: pygame.event.Event) -> int:
+    """Return which pad an event is of."""
+    return getattr(event, "instance_id", 0)

@@ -292,6 +292,8 @@ class Session:
         with self.guard():
             if document is self.document and not self.editing:
                 raise CommandError("Stop playing first: only Edit changes the level.")
+            if document is self.document:
+                self.driver.settle()
             outcome = document.commit(command, time=self.time)
             if outcome.created:
                 bodies = {body.id for body in document.level.bodies}

@@ -43,9 +43,15 @@ def write_film(
         comment: Kept in the file: what was played, by whom, under what.
 
     Raises:
-        KinetixError: An MP4 is asked for without the extra `video`, or ffmpeg cannot make it.
+        KinetixError: There is no picture, an MP4 is asked for without the extra `video`, or ffmpeg
+            cannot make it.
         OSError: The file cannot be written.
     """
+    frames = iter(frames)
+    first = next(frames, None)
+    if first is None:
+        raise KinetixError(f"{path}: a film needs at least one picture")
+    frames = itertools.chain([first], frames)
     (_write_mp4 if kind == ".mp4" else _write_gif)(path, frames, per_second, comment)
 
 

@@ -24,6 +24,13 @@ def test_the_formula_scales_as_the_law_of_similarity_says():
 
 
 @pytest.mark.slow
+def test_the_shortest_row_is_long_enough_for_the_push_to_be_forgotten():
+    domino = example()
+    short, usual = (domino.measured_speed(0.4, 0.05, 0.1, n) for n in (domino.FEWEST, 40))
+    assert short == pytest.approx(usual, rel=0.03)
+
+
+@pytest.mark.slow
 def test_the_engine_s_wave_runs_as_the_formula_says():
     domino = example()
     wanted = domino.wave_speed(0.4, 0.05, 0.15)
@@ -31,7 +38,7 @@ def test_the_engine_s_wave_runs_as_the_formula_says():
 
 
 def test_a_row_that_is_too_short_to_measure_is_refused(monkeypatch, capsys):
-    monkeypatch.setattr("sys.argv", ["domino.py", "--dominoes", "6"])
+    monkeypatch.setattr("sys.argv", ["domino.py", "--dominoes", "29"])
     with pytest.raises(SystemExit):
         example().main()
-    assert "--dominoes 6: expected at least 7" in capsys.readouterr().err
+    assert "--dominoes 29: expected at least 30" in capsys.readouterr().err

@@ -1,5 +1,6 @@
 """Every example runs as a user would run it."""
 
+import runpy
 import sys
 from pathlib import Path
 
@@ -26,15 +27,44 @@ RUNS = {
     "jaxued_replay": ["--levels", "8", "--attempts", "2", "--steps", "4", *CHEAP],
     "ppo": ["--steps", "2048", "--envs", "8", "--levels", "s/goalkeeper", *CHEAP],
     "sb3_ppo": ["--steps", "4096", "--envs", "8"],
-    "random_level_replay": ["--steps", "8", "--out", "film.gif", *CHEAP],
+    "random_level_replay": ["--steps", "8", "--out", "new/film.gif", *CHEAP],
     "handmade_level_replay": CHEAP,
     "auto_reset": ["--worlds", "4", "--steps", "20", *CHEAP],
     "inverse_render": ["--out", "seen.png"],
-    "domino": ["--dominoes", "12"],
+    "domino": ["--dominoes", "30"],
     "batch_rollout": ["--worlds", "8", "--steps", "8", *CHEAP],
     "custom_level_to_training": ["--out", "trained", "--", *TRAINING, *CHEAP],
     "fine_tune": ["--out", "tuned", "--", *TRAINING, *CHEAP],
 }
+
+
+REFUSED = {
+    "random_level_replay": [
+        (["--out", "film.txt"], "--out film.txt: expected a name that ends in .gif or .mp4"),
+        (["--steps", "0"], "--steps 0: expected at least 1"),
+        (["--out", "taken/film.gif"], "error: taken: expected a folder, got a file"),
+        (["--physics", "nope"], "error: unknown physics 'nope': expected one of jax2d"),
+    ],
+    "inverse_render": [(["--out", "seen.txt"], "--out seen.txt: expected a name that ends as")],
+    "handmade_level_replay": [(["--level", "nope"], "error: nope: there is no such file")],
+    "fine_tune": [(["--level", "nope"], "error: nope: there is no such file")],
+    "ppo": [(["--plot", "seen.txt"], "--plot seen.txt: expected a name that ends in .png")],
+}
+"""Words that an example cannot take, and what it says."""
+
+
+@pytest.mark.parametrize("name", list(REFUSED))
+def test_what_cannot_be_done_is_one_sentence(name, tmp_path, monkeypatch, capsys) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "taken").touch()
+    for words, told in REFUSED[name]:
+        monkeypatch.setattr("sys.argv", [f"{name}.py", *words])
+        with pytest.raises(SystemExit) as ended:
+            runpy.run_path(str(EXAMPLES / f"{name}.py"), run_name="__main__")
+        # Python prints what is no number, and ends with status 1.
+        said = ended.value.code if isinstance(ended.value.code, str) else capsys.readouterr().err
+        assert told in said.splitlines()[-1]
+    assert [path.name for path in tmp_path.iterdir()] == ["taken"]
 
 
 def test_every_example_is_run_here() -> None:
@@ -50,7 +80,7 @@ def test_example(name: str, tmp_path: Path) -> None:
     if name in FETCHED:
         python = python_with(tmp_path / "venv", *FETCHED[name])
     assert run_with(python, EXAMPLES / f"{name}.py", *RUNS[name], cwd=tmp_path).strip()
-    for picture in (*tmp_path.glob("*.gif"), *tmp_path.glob("*.png")):
+    for picture in (*tmp_path.rglob("*.gif"), *tmp_path.glob("*.png")):
         with Image.open(picture) as image:
             assert image.size == (125, 125)
             assert len(image.convert("RGB").getcolors() or []) > 3

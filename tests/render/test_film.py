@@ -119,6 +119,13 @@ def test_a_picture_of_a_gif_that_lasts_for_long_is_several(tmp_path):
 
 
 @pytest.mark.parametrize("kind", [".gif", ".mp4"])
+def test_a_film_without_pictures_is_refused(tmp_path, kind):
+    with pytest.raises(KinetixError, match="a film needs at least one picture"):
+        write_film(tmp_path / f"a{kind}", [], kind=kind, per_second=30)
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("kind", [".gif", ".mp4"])
 def test_a_folder_that_is_not_there_is_told_alike(tmp_path, kind):
     pytest.importorskip("imageio_ffmpeg")
     with pytest.raises(FileNotFoundError):

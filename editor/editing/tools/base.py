@@ -229,6 +229,19 @@ class Driver:
         self._end()
         return True
 
+    def settle(self) -> None:
+        """End the gesture before another edit of its level.
+
+        A drag is kept where it is, clicks that have not made anything yet are dropped; a press that
+        has moved nothing goes on.
+        """
+        if self._gesture is None or inspect.getgeneratorstate(self._gesture) == inspect.GEN_RUNNING:
+            return
+        if self._floating:
+            self.cancel()
+        elif self._session.document.previewing:
+            self.accept()
+
     def _begin(self, event: PointerEvent) -> None:
         self._typed = ""
         self._press = self._last = event

@@ -108,7 +108,8 @@ class EvaluatePanel(Panel):
         picked = widgets.choice(session, "evaluate.source", form.source, _SOURCES)
         if picked is not None:
             self._choose_source(session, picked)
-        widgets.tooltip("Levels", ", ".join(form.paths) or "What is played.")
+        played = session.gallery.selection if form.source == "chosen" else form.paths
+        widgets.tooltip("Levels", ", ".join(played) or "What is played.")
         _label("Attempts")
         imgui.set_next_item_width(px(96))
         changed, attempts = imgui.input_int("###attempts", form.attempts)
@@ -162,11 +163,6 @@ class EvaluatePanel(Panel):
         form.source, form.paths = picked, ()
         if picked in ("s", "m", "l"):
             form.paths = (str(levels_dir() / picked),)
-        elif picked == "chosen":
-            form.paths = tuple(session.gallery.selection)
-            if not form.paths:
-                session.complain("Choose levels in the gallery first (Ctrl+G).")
-                form.source = "this"
         elif picked in ("folder", "set"):
             self._ask(session, folder=picked == "folder")
 
@@ -205,7 +201,7 @@ class EvaluatePanel(Panel):
                 lambda: measure.start_evaluation(
                     session,
                     who,
-                    form.paths,
+                    measure.sources_asked(session),
                     attempts=form.attempts,
                     seed=form.seed,
                     physics=form.physics,

@@ -196,7 +196,8 @@ class Outliner(Panel):
         session.queue(lambda: setattr(session, "selection", chosen))
 
     def _arena(self, session: "Session", level: Level) -> None:
-        if not widgets.section("Arena", opened=False):
+        """The sides of the arena: under a heading that folds, or those that the filter finds."""
+        if not self._filter and not widgets.section("Arena", opened=False):
             return
         for name, label in ARENA_LABELS.items():
             called = tr(label)

@@ -35,7 +35,8 @@ def build_set(
     """A set of levels: equal ones once, none with an error, split by the seed.
 
     Args:
-        levels: What goes in; of equal levels (by hash) the first stays.
+        levels: What goes in; of equal levels (by hash) the first stays, with the largest weight of
+            them.
         name: Name of the set.
         folder: Where the set will be saved; paths are relative to it.
         size: Common capacity, when it shall be other than the largest of each.
@@ -45,7 +46,7 @@ def build_set(
     Raises:
         LevelError: A level has an error, or does not fit the common capacity.
     """
-    chosen = distinct(levels)
+    chosen = _once(levels)
     _refuse_errors(chosen)
     entries = tuple(
         SetEntry(
@@ -62,6 +63,15 @@ def build_set(
     )
     _refuse_larger(made)
     return split_set(made, split=split, seed=seed)
+
+
+def _once(levels: Sequence[SetLevel]) -> list[SetLevel]:
+    """Return equal levels once: the first, with the largest weight of them."""
+    largest: dict[str, float] = {}
+    for each in levels:
+        largest[each.sha256] = max(each.weight, largest.get(each.sha256, 0.0))
+    kept = distinct(levels)
+    return [dataclasses.replace(each, weight=largest[each.sha256]) for each in kept]
 
 
 def _refuse_errors(levels: Sequence[SetLevel]) -> None:

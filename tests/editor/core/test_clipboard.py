@@ -22,6 +22,14 @@ def test_cut_leaves_what_is_not_put_on_the_clipboard(session, hand):
     assert len(list(session.document.level.entities())) == 6
 
 
+def test_cut_says_which_joints_go_with_the_shapes(session, hand):
+    session.selection = (2,)
+    hand.key("x", ctrl=True)
+    assert [entity.id for entity in session.document.level.entities()] == [1, 3, 4, 6]
+    assert not clip.loads(session.clipboard.get()).joints
+    assert texts(session)[-1] == "1 joint is gone: it led to what was not cut."
+
+
 @pytest.mark.parametrize("chosen", [(5,), (6,), ("floor",)])
 def test_what_cannot_be_duplicated_says_so(session, hand, chosen):
     session.selection = chosen

@@ -12,7 +12,9 @@ import pytest
 from editor import actions
 from editor.actions import gallery as doing
 from editor.actions import level_sets, unsaved
+from editor.actions.file import open_path
 from editor.agents.evaluation import Evaluation
+from editor.base.events import DropEvent
 from editor.base.prompts import FileQuestion, TextQuestion
 from editor.base.state_file import write_state
 from editor.gallery import filing
@@ -24,7 +26,7 @@ from editor.gallery.search import Wish, tag_counts, wanted
 from editor.gallery.thumbnail import SIDE, draw_thumbnail
 from kinetix.cli import main
 from kinetix.errors import CommandError, LevelError
-from kinetix.level.codec import level_hash, load_level, save_level
+from kinetix.level.codec import dumps, level_hash, load_level, save_level
 from kinetix.level.model import Body, Circle, Level, Polygon, Thruster
 from kinetix.level.sets import load_set
 from kinetix.paths import levels_dir
@@ -461,6 +463,36 @@ def test_a_set_splits_weighs_and_leaves_doubles_out(folder, tmp_path, form):
     assert (form == "file") == all(each.path is None for each in loaded.levels)
 
 
+def test_of_equal_levels_the_largest_weight_stays_and_is_told(session, folder, tmp_path):
+    save_level(load_level(folder / "rocket.json"), folder / "again.json")
+    weights = {"rocket": 1.0, "again": 5.0, "carts/hill_cart": 2.0}
+    session.gallery.tray = {str(folder / f"{name}.json"): w for name, w in weights.items()}
+    level_sets.ask_export(session)
+    level_sets.export_now(session)
+    session.answer(session.prompts[-1], tmp_path / "x.json")
+    assert sorted(each.weight for each in load_set(tmp_path / "x.json").levels) == [2.0, 5.0]
+    assert texts(session)[-1].endswith(
+        ", 1 left out because they equal others, the largest weight stays"
+    )
+
+
+def test_what_one_file_does_not_carry_of_kinetix_env_s_is_told(session, folder, tmp_path):
+    paths = [folder / name for name in ("peer.json", "other.json")]
+    for k, path in enumerate(paths):
+        tree = json.loads(dumps(playable(path.stem, 1.0 + k), format="kinetix-env"))
+        slots = tree["env_state"]["polygon"]
+        row = next(k for k, each in enumerate(slots) if k > 3 and each["active"])
+        slots[row]["highlighted"] = True
+        path.write_text(json.dumps(tree))
+    session.gallery.tray = dict.fromkeys(map(str, paths), 1.0)
+    level_sets.ask_export(session)
+    level_sets.export_now(session)
+    session.answer(session.prompts[-1], tmp_path / "x.json")
+    assert texts(session)[-1] == (
+        f"{paths[0]}: put into the set; not carried: highlights (and 1 more, see the log)"
+    )
+
+
 def test_one_file_of_the_app_is_what_the_command_puts_inline(folder, tmp_path):
     paths = [folder / f"l{k}.json" for k in range(4)]
     for k, path in enumerate(paths):
@@ -726,6 +758,22 @@ def test_an_exported_set_comes_back_into_the_tray(session, folder, tmp_path):
     export_set({folder / "rocket.json": 2.5}, SetPlan(form="folder"), tmp_path / "set")
     level_sets.load_into_set(session, tmp_path / "set" / "set.json")
     assert session.gallery.tray == {str(tmp_path / "set" / "rocket.json"): 2.5}
+
+
+def test_a_set_that_is_dropped_on_the_window_comes_into_the_gallery(session, folder, tmp_path):
+    export_set({folder / "rocket.json": 2.5}, SetPlan(form="folder"), tmp_path / "other")
+    file = tmp_path / "other" / "set.json"
+    session.gallery.open = False
+    actions.handle(session, DropEvent(path=str(file)))
+    assert session.gallery.open and not session.prompts
+    assert session.gallery.tray == {str(tmp_path / "other" / "rocket.json"): 2.5}
+    # As a level it cannot be opened: it says where it can.
+    assert not open_path(session, file)
+    assert "this is a level set; drop it on the window" in session.prompts.pop().message
+    (tmp_path / "other" / "rocket.json").unlink()
+    session.gallery.open = False
+    actions.handle(session, DropEvent(path=str(file)))
+    assert "rocket.json" in session.prompts[-1].message and not session.gallery.open
 
 
 def test_the_levels_of_a_set_are_those_of_the_gallery(session, folder):

@@ -5,6 +5,7 @@ import pytest
 from editor.actions import run
 from editor.base.events import RIGHT
 from editor.base.overlay import HandleKind
+from editor.documents.commands.fields import SetField
 from editor.documents.commands.sizes import extent
 from editor.editing import gauges
 from kinetix.level.model import Level, Limits
@@ -100,6 +101,43 @@ def test_the_grabbed_shape_leads_on_the_grid():
     session.selection = (3, 4)
     Hand(session).drag((1.0, 4.01), (1.31, 4.31))
     assert session.document.level.body(4).position == pytest.approx((1.3, 4.3), abs=1e-5)
+
+
+def test_an_edit_that_comes_during_a_drag_keeps_the_drag_as_a_step_of_its_own(session, hand):
+    before = session.document.level
+    session.selection = (3,)
+    hand.press((4.0, 3.0))
+    hand.hold((4.5, 3.0))
+    session.execute(SetField(ids=(3,), field="friction", value=0.25))
+    assert not session.driver.active
+    hand.hold((4.9, 3.0))
+    hand.release((4.9, 3.0))
+    body = session.document.level.body(3)
+    assert (body.position[0], body.friction) == (pytest.approx(4.5), 0.25)
+    run(session, "edit.undo")
+    assert session.document.level.body(3) == body.replace(friction=before.body(3).friction)
+    run(session, "edit.undo")
+    assert session.document.level == before
+
+
+def test_an_edit_that_comes_with_a_press_lets_the_drag_go_on(session, hand):
+    hand.press((4.0, 3.0))
+    session.execute(SetField(ids=(3,), field="friction", value=0.25))
+    hand.hold((4.5, 3.0))
+    hand.release((4.5, 3.0))
+    body = session.document.level.body(3)
+    assert (body.position[0], body.friction) == (pytest.approx(4.5), 0.25)
+
+
+def test_an_edit_between_two_clicks_drops_what_they_would_make(session, hand):
+    hand.key("r")
+    hand.click((2.5, 2.5))
+    hand.move((3.0, 3.0))
+    assert session.driver.active
+    session.execute(SetField(ids=(3,), field="friction", value=0.25))
+    assert not session.driver.active and not session.document.previewing
+    assert len(session.document.level.bodies) == 4
+    assert session.document.level.body(3).friction == 0.25
 
 
 def test_only_one_thing_is_offered_a_name(session, hand):

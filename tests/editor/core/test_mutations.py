@@ -77,7 +77,7 @@ def test_a_joint_that_goes_away_while_it_is_dragged_is_told():
     session.selection = (5,)
     hand.press((2.2, 2.0))
     hand.hold((2.25, 2.1))
-    session.execute(Remove(ids=(5,)))
+    session.document.commit(Remove(ids=(5,)))
     hand.hold((2.3, 2.1))
     hand.release((2.3, 2.1))
     assert not session.driver.active and not session.document.previewing

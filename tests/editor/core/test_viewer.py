@@ -4,6 +4,7 @@ import csv
 import dataclasses
 import io
 import json
+import threading
 import time
 from pathlib import Path
 
@@ -14,6 +15,7 @@ import pytest
 from editor import actions
 from editor.actions import agents, comparison, measure, physics, watch
 from editor.actions.file import open_path
+from editor.actions.save_table import save_table
 from editor.agents.evaluation import Plan, best
 from editor.agents.run_watch import RunWatch
 from editor.agents.viewer import mismatch
@@ -653,6 +655,63 @@ def test_an_evaluation_is_cancelled_at_once_and_keeps_what_is_done(with_agent, s
     settle(with_agent)
     assert time.monotonic() - start < 60.0
     assert [row.results[0] is None for row in evaluation.rows()] == [False, True]
+    assert with_agent.results.of("hash s/a") and not with_agent.results.of("hash s/b")
+
+
+@pytest.mark.parametrize("end", ["fails", "is replaced", "is left"])
+def test_an_evaluation_that_ends_early_leaves_the_gallery_its_levels(with_agent, stage, end):
+    share = threading.Event()
+
+    def evaluate(request, progress):
+        score = Score(agent=0, result=a_result("s/a", "won", "won"))
+        progress.share(Standing(done=2, total=4, scores=(score,)))
+        share.set()
+        while end != "fails":
+            progress.report(None, "")
+            time.sleep(0.005)
+        raise KinetixError("out of memory")
+
+    stage.evaluate = evaluate
+    evaluation = evaluation_of(with_agent, "s/a", "s/b")
+    assert share.wait(60)
+    if end == "is replaced":
+        evaluation_of(with_agent, "m/c")
+    elif end == "is left":
+        actions.run(with_agent, "file.quit")
+        with_agent.answer(with_agent.prompts[-1], "quit")
+        assert with_agent.quitting
+    else:
+        settle(with_agent)
+        assert evaluation.error == "out of memory"
+    actions.update(with_agent, 1 / 60)
+    ((trial, record),) = with_agent.results.of("hash s/a").items()
+    assert (trial.player, record.attempts, record.solved) == ("Tester", 2, 2)
+    evaluation.cancel()
+
+
+def test_the_table_of_a_cancelled_evaluation_says_what_can_be_saved(with_agent, stage, tmp_path):
+    stage.wait = 600.0
+    evaluation = evaluation_of(with_agent, "s/a", "s/b")
+    while evaluation.standing is None:
+        actions.update(with_agent, 1 / 60)
+    with pytest.raises(CommandError, match="Wait until an agent has played all levels"):
+        save_table(with_agent, tmp_path / "table.html")
+    evaluation.cancel()
+    with pytest.raises(CommandError, match="No agent has played all levels"):
+        save_table(with_agent, tmp_path / "table.html")
+    save_table(with_agent, tmp_path / "table.csv")
+    assert "s/a" in (tmp_path / "table.csv").read_text()
+
+
+def test_a_saved_comparison_names_the_agents_that_it_leaves_out(with_agent, stage, tmp_path):
+    other = a_summary("Other")
+    with_agent.viewer.slots["b"].summary = other
+    score = Score(agent=0, result=a_result("s/a", "won", "won"))
+    stage.evaluate = lambda request, progress: Standing(done=2, total=4, scores=(score,))
+    evaluation_of(with_agent, "s/a")
+    settle(with_agent)
+    save_table(with_agent, tmp_path / "table.json")
+    assert texts(with_agent)[-1].endswith("table.json without agents that lack levels: Other")
 
 
 def test_the_best_of_several_results():

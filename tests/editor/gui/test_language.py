@@ -7,7 +7,6 @@ from imgui_bundle import imgui
 from editor import actions
 from editor.base import language
 from editor.toolkit.widgets import caps
-from editor.window.panels import outliner
 from editor.window.panels.preferences import PAGES
 from kinetix.agents.agent import load_agent
 from kinetix.bundled import agent_names
@@ -160,11 +159,11 @@ def test_names_of_levels_and_players_are_shown_as_they_are(make_gui, tmp_path, m
     assert not [words for words in missing if "Nob" in words or "nob" in words]
 
 
-def test_the_arena_is_found_by_the_name_that_is_shown(make_gui, monkeypatch):
-    monkeypatch.setattr(outliner.widgets, "section", lambda *words, **options: True)
+def test_the_arena_is_found_by_the_name_that_is_shown(make_gui):
     gui = make_gui(level=a_level())
     gui.session.settings.language = "de"
     gui.frames(4)
+    assert not gui.shows("outliner.floor")  # the section is folded
     for words in ("Boden", "Floor"):
         gui.click("outliner.filter")
         gui.key("ctrl+a")

@@ -34,8 +34,9 @@ from editor.worker.requests import (
     Score,
     Standing,
 )
-from kinetix.level.codec import level_hash
+from kinetix.level.codec import level_hash, save_level
 from kinetix.paths import checkpoints_dir, levels_dir
+from tests.editor.core.test_gallery import playable
 from tests.editor.core.test_viewer import a_result, a_summary
 from tests.editor.gui.test_language import ALLOWED
 from tests.editor.gui.viewing import front, settle
@@ -384,3 +385,25 @@ def test_what_measures_speaks_german(with_agent):
     )
     english = [w for w in spoken.missing if not ALLOWED.fullmatch(w) and not known.fullmatch(w)]
     assert "\n".join(sorted(english)) == ""
+
+
+def test_what_is_chosen_in_the_gallery_is_asked_when_evaluate_is_pressed(with_agent, tmp_path):
+    gui, session = with_agent, with_agent.session
+    folder = tmp_path / "levels"
+    folder.mkdir()
+    paths = [str(folder / f"{name}.json") for name in ("alpha", "beta")]
+    for k, path in enumerate(paths):
+        save_level(playable(f"Level {k}", 1.0 + k), path)
+    session.library.look([folder])
+    while session.library.busy:
+        session.library.poll()
+    front(gui, "evaluate")
+    session.view.levels_to_measure = "chosen"
+    gui.frames(3)
+    gui.click("evaluate.run")
+    settle(gui)
+    assert session.toasts[-1].text == "Choose levels in the gallery first (Ctrl+G)."
+    for path in paths:
+        session.gallery.selection = (path,)
+        (level,) = evaluated(gui).levels
+        assert level.source == path

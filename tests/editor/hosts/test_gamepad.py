@@ -38,6 +38,26 @@ def test_a_stick_has_a_dead_zone_and_does_not_flutter(pads):
     assert names(pads.translate(axis(x, 0.0))) == [("pad right", False)]
 
 
+def test_a_resting_stick_leaves_the_cross_alone(pads):
+    x, left = pygame.CONTROLLER_AXIS_LEFTX, pygame.CONTROLLER_BUTTON_DPAD_LEFT
+    assert names(pads.translate(button(left, True))) == [("pad left", True)]
+    assert names(pads.translate(axis(x, 0.01))) == []
+    assert names(pads.translate(axis(x, -1.0))) == []
+    assert names(pads.translate(button(left, False))) == []
+    assert names(pads.translate(axis(x, 0.0))) == [("pad left", False)]
+
+
+def test_a_pad_that_is_pulled_out_leaves_the_other_one_its_buttons(pads):
+    for pad in (0, 1):
+        pressed = pygame.event.Event(
+            pygame.CONTROLLERBUTTONDOWN, button=pygame.CONTROLLER_BUTTON_A, instance_id=pad
+        )
+        pads.translate(pressed)
+    gone = [pygame.event.Event(pygame.CONTROLLERDEVICEREMOVED, instance_id=pad) for pad in (0, 1)]
+    assert names(pads.translate(gone[0])) == []
+    assert names(pads.translate(gone[1])) == [("pad a", False)]
+
+
 def test_a_pad_that_is_pulled_out_holds_nothing(pads):
     pads.translate(button(pygame.CONTROLLER_BUTTON_A, True))
     gone = pygame.event.Event(pygame.CONTROLLERDEVICEREMOVED, instance_id=0)
