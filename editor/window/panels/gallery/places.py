@@ -76,14 +76,16 @@ def _place(
     start, width = imgui.get_cursor_screen_pos(), imgui.get_content_region_avail().x
     height = imgui.get_text_line_height() + px(9)
     chosen = gallery.folder == folder
-    if imgui.selectable(f"###place-{folder}", chosen, 0, (0, height))[0]:
+    # A folder that was added may stand below another one as well.
+    place = f"{indent}-{folder}"
+    if imgui.selectable(f"###place-{place}", chosen, 0, (0, height))[0]:
         gallery.folder = folder
     widgets.probe(session, f"gallery.folder.{folder.name if folder else 'all'}")
     if folder is not None:
         gone = "" if count is not None else f"\n{tr('It cannot be reached now.')}"
         widgets.tooltip(label, f"{folder}{gone}")
         added = str(folder) in session.settings.gallery_folders
-        if added and imgui.begin_popup_context_item(f"place-menu-{folder}"):
+        if added and imgui.begin_popup_context_item(f"place-menu-{place}"):
             if imgui.menu_item_simple(tr("Show it no more")):
                 session.queue(lambda: doing.remove_folder(session, folder))
             imgui.end_popup()
