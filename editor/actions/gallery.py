@@ -69,7 +69,7 @@ def close(session: Session) -> None:
 
 def choosing(session: Session) -> bool:
     """Return whether levels are chosen in the gallery."""
-    return session.gallery.open and bool(session.gallery.chosen(session.library))
+    return session.gallery.open and bool(session.gallery.chosen(session.library, session.results))
 
 
 def chosen_cards(session: Session) -> list[Card]:
@@ -78,7 +78,7 @@ def chosen_cards(session: Session) -> list[Card]:
     Raises:
         CommandError: None is.
     """
-    chosen = session.gallery.chosen(session.library)
+    chosen = session.gallery.chosen(session.library, session.results)
     if not chosen:
         raise CommandError("Choose a level first.")
     return chosen

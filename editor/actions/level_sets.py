@@ -115,7 +115,9 @@ def ask_export(session: Session) -> None:
     if not gallery.open:
         browsing.toggle(session)
     if not gallery.tray:
-        put_in_set(session, [card.path for card in gallery.chosen(session.library)])
+        put_in_set(
+            session, [card.path for card in gallery.chosen(session.library, session.results)]
+        )
     if not gallery.tray:
         session.complain("Choose the levels of the set first: Ctrl+A takes all that are shown.")
         return

@@ -183,7 +183,7 @@ class CardGrid:
             gallery.selection = (card.path,)
             gallery.focus = card.path
         imgui.set_drag_drop_payload_py_id(PAYLOAD, 1)
-        count = len(gallery.selection)
+        count = len(gallery.chosen(session.library, session.results))
         widgets.raw(card.name if count == 1 else tr(f"{count} levels"))
         imgui.end_drag_drop_source()
 

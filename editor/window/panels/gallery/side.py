@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING
 from imgui_bundle import imgui
 
 from editor import actions
-from editor.actions import level_sets
 from editor.base.language import tr
 from editor.gallery.card import Card
 from editor.gallery.filing import bundled
@@ -70,10 +69,10 @@ class Side:
 
     def _drop(self, session: "Session") -> None:
         if imgui.accept_drag_drop_payload_py_id(PAYLOAD) is not None:
-            session.queue(lambda: level_sets.put_in_set(session, list(session.gallery.selection)))
+            session.queue("gallery.add_to_set")
 
     def _details(self, session: "Session") -> None:
-        chosen = session.gallery.chosen(session.library)
+        chosen = session.gallery.chosen(session.library, session.results)
         if not chosen:
             widgets.empty_state(
                 Icons.level,
