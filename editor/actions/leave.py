@@ -175,5 +175,7 @@ def _leave(session: Session) -> None:
             session.autosaves.forget(document)
     with session.guard():
         session.keeper.save(again=True)
+    with session.guard():
+        session.kept_set.keep(session.gallery.tray, again=True)
     session.training.stop()  # It saves; the command line can go on with it.
     session.quitting = True

@@ -27,8 +27,12 @@ def put_in_set(session: Session, paths: list[str]) -> None:
 
 
 def drop_from_set(session: Session, path: str) -> None:
-    """Take a level out of the set."""
-    session.gallery.tray.pop(path, None)
+    """Take a level out of the set; the message brings it back."""
+    tray = session.gallery.tray
+    cards = {card.path: card.name for card in session.library.cards}
+    name = cards.get(path, Path(path).stem)
+    kept = {each: weight for each, weight in tray.items() if each != path}
+    _replace(session, kept, f"{name} is no longer in the set")
 
 
 def load_into_set(session: Session, path: Path) -> None:
@@ -86,8 +90,15 @@ def _replace(session: Session, tray: dict[str, float], told: str, kind: Kind = "
     undo = None
     if gallery.tray and gallery.tray != tray:
         gallery.tray_before, undo = gallery.tray, "gallery.set_back"
-    gallery.tray = tray
-    session.toast(told, kind, action=undo)
+    gallery.tray, after = tray, dict(tray)
+    # Once the set has been changed again, the button would take that away too.
+    session.messages.toast(told, kind, action=undo, offered=lambda: gallery.tray == after)
+
+
+def weigh(session: Session, before: dict[str, float]) -> None:
+    """Note the set as it was before a weight was changed, so that it can be brought back."""
+    if before != session.gallery.tray:
+        session.gallery.tray_before = before
 
 
 def empty_set(session: Session) -> None:
@@ -137,8 +148,9 @@ def refused_in_set(session: Session) -> dict[str, str]:
 
 def leave_out_refused(session: Session) -> None:
     """Take the levels that cannot go in out of the set."""
-    for path in refused_in_set(session):
-        session.gallery.tray.pop(path, None)
+    refused = refused_in_set(session)
+    kept = {path: weight for path, weight in session.gallery.tray.items() if path not in refused}
+    _replace(session, kept, f"Took {plural(len(refused), 'level')} out of the set")
 
 
 def export_now(session: Session) -> None:

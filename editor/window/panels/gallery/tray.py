@@ -11,6 +11,7 @@ from editor.actions import level_sets, unsaved
 from editor.base.language import tr
 from editor.gallery.card import Card
 from editor.gallery.export import SetPlan
+from editor.gallery.kept_set import WEIGHTS
 from editor.toolkit import widgets
 from editor.toolkit.appearance import COLOURS, FONTS, Icons, Rgba
 from editor.toolkit.widgets import px
@@ -21,8 +22,6 @@ if TYPE_CHECKING:
     from editor.session import Session
 
 _AUTOMATIC: Final = "auto"
-_WEIGHTS: Final = (0.01, 100.0)
-"""The least and the greatest weight of a level."""
 _CLAMPED: Final = imgui.SliderFlags_.always_clamp.value
 _SIZES: Final[dict[str, SizeName | None]] = {
     _AUTOMATIC: None,
@@ -53,6 +52,8 @@ class SetTray:
     def __init__(self) -> None:
         self._list_open = False
         """True if a list of the dialog was open in the last frame: Esc was that one's."""
+        self._before: dict[str, float] = {}
+        """The set as it was before the weight that is being changed."""
 
     def draw(self, session: "Session") -> None:
         """Draw the list into the current window."""
@@ -98,12 +99,17 @@ class SetTray:
         imgui.table_next_column()
         imgui.set_next_item_width(-1)
         changed, weight = imgui.drag_float(
-            f"###weight-{path}", tray[path], 0.05, *_WEIGHTS, "%.4g", _CLAMPED
+            f"###weight-{path}", tray[path], 0.05, *WEIGHTS, "%.4g", _CLAMPED
         )
         widgets.probe(session, f"gallery.weight.{name}")
+        if imgui.is_item_activated():
+            self._before = dict(tray)
         widgets.tooltip("Weight", "How often training draws it, compared with the others.")
         if changed:
             tray[path] = weight
+        if imgui.is_item_deactivated_after_edit():
+            before = self._before
+            session.queue(lambda: level_sets.weigh(session, before))
         imgui.table_next_column()
         if widgets.icon_button(session, f"gallery.drop.{path}", Icons.close):
             session.queue(lambda: level_sets.drop_from_set(session, path))

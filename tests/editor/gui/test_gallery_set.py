@@ -1,0 +1,72 @@
+"""The set that is put together comes back after a restart; what was taken out, after Undo."""
+
+import pytest
+
+from editor.actions import leave
+from tests.editor.gui.browsing import settle
+
+
+@pytest.fixture
+def filled(gallery):
+    """All three levels are in the set, which is in front."""
+    gallery.key("ctrl+a")
+    gallery.key("ctrl+shift+a")
+    gallery.click("gallery.tab.set")
+    return gallery
+
+
+def test_the_set_is_there_again_after_a_restart(filled, make_gui):
+    tray = filled.session.gallery.tray
+    tray[next(iter(tray))] = 7.5
+    leave.quit_app(filled.session)
+    assert filled.session.quitting and not filled.session.prompts
+    again = make_gui()
+    assert again.session.gallery.tray == tray and len(tray) == 3
+    again.key("ctrl+g")
+    settle(again)
+    again.click("gallery.tab.set")
+    assert again.shows("gallery.weight.Hill cart")
+
+
+def test_the_set_is_kept_while_the_app_runs(filled, make_gui):
+    """A killed app has no end at which it could write."""
+    filled.frames(90)
+    assert len(make_gui().session.gallery.tray) == 3
+
+
+def test_a_level_that_was_taken_out_comes_back_with_its_weight_and_place(filled):
+    gallery = filled.session.gallery
+    path = next(iter(gallery.tray))
+    gallery.tray[path] = 7.5
+    before = list(gallery.tray.items())
+    filled.frames(2)
+    filled.click(f"gallery.drop.{path}")
+    assert path not in gallery.tray
+    assert filled.session.toasts[-1].text == "Hill cart is no longer in the set"
+    filled.click("toast.gallery.set_back")
+    assert list(gallery.tray.items()) == before
+
+
+def test_undo_is_not_offered_once_the_set_was_changed_again(filled):
+    gallery = filled.session.gallery
+    path = next(iter(gallery.tray))
+    filled.click(f"gallery.drop.{path}")
+    assert filled.shows("toast.gallery.set_back")
+    filled.click("gallery.card.hill_cart")
+    filled.key("ctrl+shift+a")
+    filled.frames(2)
+    assert not filled.shows("toast.gallery.set_back")
+
+
+def test_a_weight_before_the_last_change_comes_back(filled):
+    gallery = filled.session.gallery
+    before = dict(gallery.tray)
+    filled.click("gallery.weight.Rocket")
+    filled.key("ctrl+a")
+    filled.text("2.5")
+    filled.key("return")
+    filled.frames(2)
+    assert gallery.tray != before
+    filled.session.queue("gallery.set_back")
+    filled.frames(2)
+    assert gallery.tray == before
