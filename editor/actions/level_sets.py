@@ -160,6 +160,8 @@ def export_now(session: Session) -> None:
     if plan is None:
         return
     folder = plan.form == "folder"
+    if not gallery.tray:
+        raise CommandError("No level is in the set: put some into it first.")
     bad = refused_in_set(session)
     if bad:
         name = next(iter(bad.values()))

@@ -2,7 +2,9 @@
 
 import pytest
 
-from editor.actions import leave
+from editor.actions import leave, level_sets
+from kinetix.level.codec import save_level
+from kinetix.level.model import Level
 from tests.editor.gui.browsing import settle
 
 
@@ -70,3 +72,23 @@ def test_a_weight_before_the_last_change_comes_back(filled):
     filled.session.queue("gallery.set_back")
     filled.frames(2)
     assert gallery.tray == before
+
+
+def test_an_empty_set_is_not_exported(gallery, mine):
+    save_level(Level(name="Nothing"), mine / "nothing.json")
+    gallery.key("escape")
+    gallery.key("ctrl+g")
+    settle(gallery)
+    gallery.click("gallery.card.nothing")
+    gallery.session.queue("level.export_set")
+    gallery.frames(4)
+    gallery.click("export.leave_out")
+    gallery.frames(4)
+    assert gallery.session.gallery.tray == {}
+    gallery.click("export.accept")
+    gallery.frames(4)
+    assert gallery.session.gallery.plan is not None and not gallery.shows("browser.accept")
+    gallery.session.queue(lambda: level_sets.export_now(gallery.session))
+    gallery.frames(2)
+    assert not gallery.session.prompts
+    assert gallery.session.toasts[-1].text == "No level is in the set: put some into it first."

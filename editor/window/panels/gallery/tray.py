@@ -157,6 +157,8 @@ class SetTray:
             _line(f"{Icons.error}  {names}: with an error or gone, no set takes it.", COLOURS.bad)
             if widgets.button(session, "export.leave_out", "Leave out what has errors"):
                 session.queue(lambda: level_sets.leave_out_refused(session))
+        if not gallery.tray:
+            _line(f"{Icons.error}  No level is in the set: put some into it first.", COLOURS.bad)
         changed = unsaved.unsaved_among(session, gallery.tray)
         if changed:
             names = unsaved.listed(changed)
@@ -171,7 +173,7 @@ class SetTray:
             gallery.plan = None
             return True
         imgui.same_line()
-        with widgets.disabled(bool(bad) or not plan.name.strip()):
+        with widgets.disabled(bool(bad) or not gallery.tray or not plan.name.strip()):
             if widgets.primary_button(session, "export.accept", "Choose where…", width=width):
                 session.queue(lambda: level_sets.export_now(session))
                 return True
