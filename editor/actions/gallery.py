@@ -176,8 +176,7 @@ def rename(session: Session) -> None:
             outside.take(session, document)
         gallery = session.gallery
         gallery.selection, gallery.focus = (str(target),), str(target)
-        if card.path in gallery.tray:
-            gallery.tray[str(target)] = gallery.tray.pop(card.path)
+        gallery.renamed(card.path, str(target))
         look(session)
 
     session.ask(TextQuestion(title="Rename level", text=card.name, accept="Rename", answer=answer))

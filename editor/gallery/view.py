@@ -75,6 +75,12 @@ class GalleryView:
         by_path = {card.path: card for card in shown}
         return [by_path[path] for path in self.selection if path in by_path]
 
+    def renamed(self, old: str, new: str) -> None:
+        """Let a level that has another path now keep its place and weight in the sets."""
+        self.tray = _renamed(self.tray, old, new)
+        if self.tray_before is not None:
+            self.tray_before = _renamed(self.tray_before, old, new)
+
     def click(self, cards: Sequence[Card], path: str, *, toggle: bool, extend: bool) -> None:
         """Choose a card as lists do: alone, with Ctrl besides others, with Shift up to it."""
         paths = [card.path for card in cards]
@@ -108,3 +114,7 @@ class GalleryView:
         at = paths.index(self.focus) if self.focus in paths else -1
         at = min(max(at + steps, 0), len(paths) - 1) if at >= 0 else 0
         self.focus, self.selection, self.scroll = paths[at], (paths[at],), True
+
+
+def _renamed(tray: dict[str, float], old: str, new: str) -> dict[str, float]:
+    return {new if path == old else path: weight for path, weight in tray.items()}

@@ -92,3 +92,26 @@ def test_an_empty_set_is_not_exported(gallery, mine):
     gallery.frames(2)
     assert not gallery.session.prompts
     assert gallery.session.toasts[-1].text == "No level is in the set: put some into it first."
+
+
+def test_a_renamed_level_keeps_its_place_and_weight_also_in_the_set_before(filled, mine):
+    gallery = filled.session.gallery
+    gallery.tray[str(mine / "moon_cart.json")] = 2.5
+    filled.click("gallery.empty")
+    for card, name in (("moon_cart", "Sun cart"), ("sun_cart", "Star cart")):
+        filled.click(f"gallery.card.{card}")
+        filled.key("f2")
+        filled.frames(3)
+        filled.text(name)
+        filled.click("line.accept")
+        settle(filled)
+        filled.session.queue("gallery.set_back")
+        filled.frames(2)
+    assert gallery.tray == {}
+    filled.session.queue("gallery.set_back")
+    filled.frames(2)
+    assert list(gallery.tray.items()) == [
+        (str(mine / "hill_cart.json"), 1.0),
+        (str(mine / "star_cart.json"), 2.5),
+        (str(mine / "rocket.json"), 1.0),
+    ]
