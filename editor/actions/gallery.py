@@ -183,12 +183,26 @@ def rename(session: Session) -> None:
 
 
 def duplicate(session: Session) -> None:
-    """Copy the chosen levels; copies of the app's own go to the user's folder."""
-    made = [filing.duplicate(card.file) for card in chosen_cards(session)]
-    session.gallery.selection = tuple(map(str, made))
-    session.gallery.focus, session.gallery.scroll = str(made[0]), True
-    session.toast(f"Made {made[0]}" if len(made) == 1 else f"Made {len(made)} copies", "success")
-    look(session)
+    """Copy the chosen levels; copies of the app's own go to the user's folder.
+
+    Raises:
+        LevelError: Some cannot be copied; the others are.
+    """
+    made, failed, reason = [], 0, None
+    for card in chosen_cards(session):
+        try:
+            made.append(filing.duplicate(card.file))
+        except LevelError as error:
+            failed += 1
+            reason = reason or error
+    if made:
+        session.gallery.selection = tuple(map(str, made))
+        session.gallery.focus, session.gallery.scroll = str(made[0]), True
+        told = f"Made {made[0]}" if len(made) == 1 else f"Made {len(made)} copies"
+        session.toast(told, "success")
+        look(session)
+    if reason is not None:
+        raise LevelError(f"{reason}{_and_more(failed)}")
 
 
 def delete(session: Session) -> None:
@@ -242,8 +256,12 @@ def restore(session: Session) -> None:
     session.gallery.selection = tuple(str(one.origin) for one in back)
     look(session)
     if reason is not None:
-        others = f" (and {len(waiting) - 1} more)" if len(waiting) > 1 else ""
-        raise LevelError(f"{reason}{others}")
+        raise LevelError(f"{reason}{_and_more(len(waiting))}")
+
+
+def _and_more(count: int) -> str:
+    """Return what follows the first of some reasons."""
+    return f" (and {count - 1} more)" if count > 1 else ""
 
 
 def include_folder(session: Session, folder: Path) -> None:
