@@ -5,11 +5,12 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Final
 
-from editor.actions import agents, file, measure, outside
+from editor.actions import agents, file, measure, outside, unsaved
 from editor.actions.evaluating import if_free
 from editor.base.prompts import FileQuestion, TextQuestion
 from editor.gallery import filing
 from editor.gallery.card import Card
+from editor.gallery.named_levels import set_name, sets_naming
 from editor.play.mode import Mode
 from editor.session import Session
 from kinetix.errors import CommandError, LevelError
@@ -178,8 +179,17 @@ def rename(session: Session) -> None:
         gallery.selection, gallery.focus = (str(target),), str(target)
         gallery.renamed(card.path, str(target))
         look(session)
+        if target != card.file:
+            _tell_sets(session, [card.file])
 
     session.ask(TextQuestion(title="Rename level", text=card.name, accept="Rename", answer=answer))
+
+
+def _tell_sets(session: Session, gone: list[Path]) -> None:
+    """Say which level sets name files that are not there any more."""
+    names = [set_name(path) for path in sets_naming(gone, session.library.sets)]
+    if names:
+        session.toast(f"Level sets that miss a level now: {unsaved.listed(names)}", "warning")
 
 
 def duplicate(session: Session) -> None:
@@ -225,6 +235,7 @@ def delete(session: Session) -> None:
         look(session)
     name = chosen[0].name if len(chosen) == 1 else f"{len(chosen)} levels"
     session.toast(f"Moved {name} to the trash", action="gallery.restore")
+    _tell_sets(session, [one.origin for one in thrown])
 
 
 def can_restore(session: Session) -> bool:

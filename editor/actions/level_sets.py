@@ -7,6 +7,7 @@ from editor.actions import gallery as browsing
 from editor.base.prompts import Choice, FileQuestion, Question
 from editor.gallery import filing
 from editor.gallery.export import SetPlan, export_set, unpack
+from editor.gallery.named_levels import set_name
 from editor.session import Session
 from editor.session.messages import Kind
 from kinetix.errors import CommandError, LevelError
@@ -77,11 +78,6 @@ def _ask_to_unpack(session: Session, path: Path, loaded: LoadedSet) -> None:
             answer=answer,
         )
     )
-
-
-def set_name(path: Path) -> str:
-    """Return what a set is called in lists: by its file, or by the folder that it fills."""
-    return path.parent.name if path.stem == "set" else path.stem
 
 
 def _replace(session: Session, tray: dict[str, float], told: str, kind: Kind = "info") -> None:

@@ -13,6 +13,7 @@ from editor.actions import gallery as doing
 from editor.actions import level_sets
 from editor.base.language import tr
 from editor.gallery.card import Card
+from editor.gallery.named_levels import set_name
 from editor.gallery.search import SIZE_ORDER, tag_counts
 from editor.toolkit import widgets
 from editor.toolkit.appearance import COLOURS, FONTS, SMALL, Icons, u32
@@ -46,7 +47,7 @@ def draw_places(session: "Session") -> None:
         imgui.dummy((0, px(8)))
         _heading("Level sets")
         for path in session.library.sets:
-            name = level_sets.set_name(path)
+            name = set_name(path)
             label = widgets.labelled(f"{Icons.level}  {name}", f"set-{path}")
             if imgui.selectable(label, False)[0]:
                 session.queue(lambda path=path: level_sets.load_into_set(session, path))
