@@ -30,8 +30,8 @@ def put_in_set(session: Session, paths: list[str]) -> None:
 def drop_from_set(session: Session, path: str) -> None:
     """Take a level out of the set; the message brings it back."""
     tray = session.gallery.tray
-    cards = {card.path: card.name for card in session.library.cards}
-    name = cards.get(path, Path(path).stem)
+    card = session.library.card(path)
+    name = Path(path).stem if card is None else card.name
     kept = {each: weight for each, weight in tray.items() if each != path}
     _replace(session, kept, f"{name} is no longer in the set")
 
@@ -133,10 +133,9 @@ def ask_export(session: Session) -> None:
 
 def refused_in_set(session: Session) -> dict[str, str]:
     """Paths and names of the levels that cannot go in: with an error, unreadable, or gone."""
-    cards = {card.path: card for card in session.library.cards}
     found = {}
     for path in session.gallery.tray:
-        card = cards.get(path)
+        card = session.library.card(path)
         if (card is not None and (card.errors or card.fault)) or not os.path.isfile(path):
             found[path] = Path(path).stem if card is None else card.name
     return found

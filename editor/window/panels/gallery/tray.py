@@ -22,6 +22,8 @@ if TYPE_CHECKING:
     from editor.session import Session
 
 _AUTOMATIC: Final = "auto"
+_LOOK_SECONDS: Final = 1.0
+"""Interval at which it is looked for the files of the set while its export is asked [s]."""
 _CLAMPED: Final = imgui.SliderFlags_.always_clamp.value
 _SIZES: Final[dict[str, SizeName | None]] = {
     _AUTOMATIC: None,
@@ -54,6 +56,8 @@ class SetTray:
         """True if a list of the dialog was open in the last frame: Esc was that one's."""
         self._before: dict[str, float] = {}
         """The set as it was before the weight that is being changed."""
+        self._refused: tuple[float, int, dict[str, float], dict[str, str]] = (0.0, -1, {}, {})
+        """When, and of which list and which set, it was looked at last what no set takes."""
 
     def draw(self, session: "Session") -> None:
         """Draw the list into the current window."""
@@ -68,7 +72,6 @@ class SetTray:
             return
         footer = imgui.get_frame_height() + px(12)
         imgui.begin_child("tray", (0, max(imgui.get_content_region_avail().y - footer, px(60))))
-        by_path = {card.path: card for card in session.library.cards}
         flags = imgui.TableFlags_.sizing_stretch_prop.value
         if imgui.begin_table("levels", 3, flags):
             imgui.table_setup_column(tr("Level"), imgui.TableColumnFlags_.width_stretch.value)
@@ -76,8 +79,13 @@ class SetTray:
             imgui.table_setup_column(tr("Weight"), fixed, px(64))
             imgui.table_setup_column("", fixed, px(26))
             imgui.table_headers_row()
-            for path in list(tray):
-                self._row(session, path, by_path.get(path))
+            paths = list(tray)
+            clipper = imgui.ListClipper()
+            clipper.begin(len(paths))
+            while clipper.step():
+                for path in paths[clipper.display_start : clipper.display_end]:
+                    self._row(session, path, session.library.card(path))
+            clipper.end()
             imgui.end_table()
         imgui.end_child()
         if widgets.primary_button(session, "gallery.export", "Export set…"):
@@ -151,7 +159,7 @@ class SetTray:
                 self._rows(session, plan, changes)
         if changes:
             gallery.plan = dataclasses.replace(plan, **changes)
-        bad = level_sets.refused_in_set(session)
+        bad = self._refused_now(session)
         if bad:
             names = unsaved.listed(list(bad.values()))
             _line(f"{Icons.error}  {names}: with an error or gone, no set takes it.", COLOURS.bad)
@@ -178,6 +186,16 @@ class SetTray:
                 session.queue(lambda: level_sets.export_now(session))
                 return True
         return False
+
+    def _refused_now(self, session: "Session") -> dict[str, str]:
+        """Return what cannot go into the set; files are looked for now and then."""
+        tray, revision = session.gallery.tray, session.library.revision
+        looked, listed, of, found = self._refused
+        due = not 0.0 <= session.time - looked < _LOOK_SECONDS
+        if due or listed != revision or of is not tray:
+            found = level_sets.refused_in_set(session)
+            self._refused = (session.time, revision, tray, found)
+        return found
 
     def _rows(self, session: "Session", plan: SetPlan, changes: dict[str, object]) -> None:
         widgets.row("Name")
