@@ -156,6 +156,8 @@ def _going_on(session: Session) -> list[str]:
     """Return what would be lost: files that are being written or wait for it, an evaluation."""
     evaluation = session.viewer.evaluation
     names = ["the evaluation"] if evaluation.running else []
+    exporting = session.gallery.exporting
+    names += [] if exporting is None else [exporting.name]
     for job in session.worker.jobs:
         path = export.file_of(job)
         if path is not None:

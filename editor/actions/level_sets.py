@@ -2,6 +2,7 @@
 
 import os
 from pathlib import Path
+from typing import Final
 
 from editor.actions import gallery as browsing
 from editor.base.prompts import Choice, FileQuestion, Question
@@ -10,10 +11,13 @@ from editor.gallery.export import SetPlan, export_set, unpack
 from editor.gallery.named_levels import set_name
 from editor.session import Session
 from editor.session.messages import Kind
-from kinetix.errors import CommandError, LevelError
+from kinetix.errors import CommandError, KinetixError, LevelError
 from kinetix.level.sets import LoadedSet, load_set
 from kinetix.paths import user_levels_dir
 from kinetix.wording import plural
+
+MOST_AT_ONCE: Final = 20
+"""Sets of so many levels are written while the window waits: that is no longer than a blink."""
 
 
 def add_to_set(session: Session) -> None:
@@ -149,7 +153,7 @@ def leave_out_refused(session: Session) -> None:
 
 
 def export_now(session: Session) -> None:
-    """Ask where, and write the set."""
+    """Ask where, and write the set; many levels are written in the background."""
     gallery = session.gallery
     plan = gallery.plan
     if plan is None:
@@ -157,28 +161,16 @@ def export_now(session: Session) -> None:
     folder = plan.form == "folder"
     if not gallery.tray:
         raise CommandError("No level is in the set: put some into it first.")
+    if gallery.exporting is not None:
+        raise CommandError("Another set is being exported: wait until that is done.")
     bad = refused_in_set(session)
     if bad:
         name = next(iter(bad.values()))
         raise CommandError(f"{name} has an error or is gone: mend it, or leave it out.")
 
     def answer(path: Path | None) -> None:
-        if path is None:
-            return
-        try:
-            made = export_set({Path(p): w for p, w in gallery.tray.items()}, plan, path)
-        except LevelError as error:
-            session.toast(str(error), "error")
-            return
-        gallery.plan = None
-        doubles = len(gallery.tray) - len(made.levels)
-        train = sum(each.split == "train" for each in made.levels)
-        more = f", {doubles} left out because they equal others" if doubles else ""
-        session.toast(
-            f"Saved {path}: {train} to train on, {len(made.levels) - train} to evaluate on{more}",
-            "success",
-        )
-        browsing.look(session)
+        if path is not None:
+            _write(session, path, plan)
 
     session.ask(
         FileQuestion(
@@ -190,6 +182,43 @@ def export_now(session: Session) -> None:
             answer=answer,
         )
     )
+
+
+def _write(session: Session, path: Path, plan: SetPlan) -> None:
+    """Write the set; where that takes long, beside the window."""
+    gallery = session.gallery
+    levels = {Path(each): weight for each, weight in gallery.tray.items()}
+    if len(levels) <= MOST_AT_ONCE:
+        try:
+            _exported(session, path, len(levels), export_set(levels, plan, path))
+        except LevelError as error:
+            session.toast(str(error), "error")
+        return
+    gallery.plan, gallery.exporting = None, path
+    session.toast(f"Exporting {plural(len(levels), 'level')} to {path} …")
+
+    def take(told: LoadedSet | KinetixError) -> None:
+        gallery.exporting = None
+        if isinstance(told, KinetixError):
+            gallery.plan = gallery.plan or plan
+            session.toast(str(told), "error")
+        else:
+            _exported(session, path, len(levels), told)
+
+    session.fetches.begin(lambda: export_set(levels, plan, path), take)
+
+
+def _exported(session: Session, path: Path, count: int, made: LoadedSet) -> None:
+    """Say what was written of so many levels."""
+    session.gallery.plan = None
+    doubles = count - len(made.levels)
+    train = sum(each.split == "train" for each in made.levels)
+    more = f", {doubles} left out because they equal others" if doubles else ""
+    session.toast(
+        f"Saved {path}: {train} to train on, {len(made.levels) - train} to evaluate on{more}",
+        "success",
+    )
+    browsing.look(session)
 
 
 def _set_folder(session: Session) -> Path:

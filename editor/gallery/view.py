@@ -40,6 +40,8 @@ class GalleryView:
     """The set that was there before the last one that took its place as a whole."""
     plan: SetPlan | None = None
     """Form of the export, while that is being asked."""
+    exporting: Path | None = None
+    """The set that is being written in the background."""
     thrown: list[tuple[Trashed, ...]] = dataclasses.field(default_factory=list)
     """Deleted files, the last deletion at the end, to bring them back."""
     thrown_weights: dict[Path, float] = dataclasses.field(default_factory=dict)

@@ -1,11 +1,16 @@
 """Many levels chosen, and in the set: a frame looks at those in sight alone, and at no file."""
 
+import threading
+import time
+
 import pytest
 
-from editor.actions import level_sets
+from editor.actions import leave, level_sets
 from editor.gallery import filing
+from kinetix.errors import LevelError
 from kinetix.level.codec import dumps
 from kinetix.level.model import Level
+from kinetix.level.sets import load_set
 from tests.editor.core.test_gallery import playable
 from tests.editor.gui.browsing import settle
 
@@ -55,6 +60,68 @@ def test_the_questions_of_the_export_look_for_files_now_and_then(many, monkeypat
     assert len(calls) <= 1
     many.frames(60)
     assert calls
+
+
+def export(gui):
+    """Answer the questions of the export, as a person would."""
+    gui.session.queue("level.export_set")
+    gui.frames(4)
+    gui.click("export.accept")
+    gui.frames(4)
+    gui.click("browser.accept")
+
+
+@pytest.fixture
+def held(monkeypatch):
+    """The export goes on once this is set."""
+    going, real = threading.Event(), level_sets.export_set
+
+    def wait(*args):
+        assert going.wait(60)
+        return real(*args)
+
+    monkeypatch.setattr(level_sets, "export_set", wait)
+    yield going
+    going.set()
+
+
+def test_many_levels_are_exported_beside_the_window(many, mine, held):
+    session = many.session
+    export(many)
+    many.frames(4)
+    assert session.gallery.exporting == mine / "levels.json" and session.gallery.plan is None
+    assert session.toasts[-1].text == f"Exporting {COUNT} levels to {mine / 'levels.json'} …"
+    leave.quit_app(session)
+    assert "levels.json" in session.prompts[-1].message and not session.quitting
+    session.answer(session.prompts[-1], "wait")
+    many.frames(4)
+    assert not session.quitting
+    held.set()
+    finish(many)
+    assert len(load_set(mine / "levels.json").levels) == COUNT
+    many.frames(2)
+    assert session.quitting
+
+
+def test_an_export_in_the_background_that_fails_is_told_and_asked_again(many, monkeypatch):
+    def full(*args):
+        raise LevelError("levels.json: cannot be saved: No space left on device")
+
+    monkeypatch.setattr(level_sets, "export_set", full)
+    export(many)
+    finish(many)
+    many.frames(4)
+    assert any("No space" in toast.text for toast in many.session.toasts)
+    assert many.shows("export.accept")
+
+
+def finish(gui):
+    """Let the export that goes on come to its end."""
+    until = time.monotonic() + 60
+    while gui.session.gallery.exporting is not None:
+        assert time.monotonic() < until
+        gui.frames(1)
+        time.sleep(0.005)
 
 
 def test_a_link_to_a_level_of_the_app_is_one_of_the_apps(tmp_path, monkeypatch):

@@ -43,8 +43,8 @@ class GalleryPage:
 
     def animating(self, session: "Session") -> bool:
         """Return whether the next frame differs: levels or pictures are on their way."""
-        library = session.library
-        return library.busy or self._grid.missing or self._revision != library.revision
+        library, exporting = session.library, session.gallery.exporting is not None
+        return exporting or library.busy or self._grid.missing or self._revision != library.revision
 
     def draw(self, session: "Session") -> None:
         """Draw it over everything between the bars."""

@@ -88,8 +88,11 @@ class SetTray:
             clipper.end()
             imgui.end_table()
         imgui.end_child()
-        if widgets.primary_button(session, "gallery.export", "Export set…"):
-            session.queue("level.export_set")
+        exporting = session.gallery.exporting is not None
+        with widgets.disabled(exporting):
+            label = "Exporting …" if exporting else "Export set…"
+            if widgets.primary_button(session, "gallery.export", label):
+                session.queue("level.export_set")
         imgui.same_line()
         if widgets.button(session, "gallery.empty", "Empty the set"):
             session.queue(lambda: level_sets.empty_set(session))
