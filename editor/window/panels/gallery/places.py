@@ -61,6 +61,14 @@ def draw_places(session: "Session") -> None:
         _tags(session, tags[:_TAGS])
 
 
+def listed(session: "Session", folder: Path) -> bool:
+    """Return whether a folder has a line: one that is chosen has none once it is gone."""
+    roots = [*doing.folders(session), *doing.unreachable(session)]
+    if folder in roots:
+        return True
+    return folder.parent in roots and str(folder) in _folder_counts(session.library.cards)
+
+
 def _place(
     session: "Session", folder: Path | None, label: str, count: int | None, *, indent: int = 0
 ) -> None:
