@@ -99,6 +99,7 @@ class Session:
         self.driver = Driver(self)
         self.view = View()
         self.kept_set = kept_set or KeptSet(stored=False)
+        """Writes the set that is put together in the gallery."""
         self.gallery = GalleryView(tray=self.kept_set.read())
         self.library = library or Library()
         self.fetches = Fetches()
