@@ -14,6 +14,7 @@ from editor.actions.agents import load_agent
 from editor.base.settings import LARGEST_SIDE, SCALES, Settings, SettingsKeeper
 from editor.documents.autosaves import Autosaves
 from editor.documents.old_names import OldNames
+from editor.gallery.kept_set import KeptSet
 from editor.gallery.results import Results
 from editor.session import Session
 from kinetix.command_line.parse import parse
@@ -134,6 +135,7 @@ def _run(options: Options) -> int:
         autosaves=Autosaves(stored=not alone),
         results=Results(stored=not alone),
         old_names=OldNames(stored=not alone),
+        kept_set=KeptSet(stored=not usual),
     )
     host = _host(options, session)
     host.ui.asked_scale = options.scale
@@ -222,6 +224,7 @@ def _until_closed(session: Session, host: "PygameHost") -> None:
         session.training.stop()
     host.ui.save_layout()
     session.keeper.save()
+    session.kept_set.keep(session.gallery.tray)
     if told:
         raise Terminated
 

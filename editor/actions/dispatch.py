@@ -312,6 +312,8 @@ def advance(session: Session, seconds: float) -> None:
     if seconds >= IDLE or _passed(before, session.time, SETTINGS_SECONDS):
         with session.guard():
             session.keeper.save()
+        with session.guard():
+            session.kept_set.keep(session.gallery.tray)
     if session.editing and _passed(before, session.time, OUTSIDE_SECONDS):
         with session.guard():
             outside.check(session)

@@ -5,11 +5,12 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Final
 
-from editor.actions import agents, file, measure, outside
+from editor.actions import agents, file, measure, outside, unsaved
 from editor.actions.evaluating import if_free
 from editor.base.prompts import FileQuestion, TextQuestion
 from editor.gallery import filing
 from editor.gallery.card import Card
+from editor.gallery.named_levels import set_name, sets_naming
 from editor.play.mode import Mode
 from editor.session import Session
 from kinetix.errors import CommandError, LevelError
@@ -69,7 +70,7 @@ def close(session: Session) -> None:
 
 def choosing(session: Session) -> bool:
     """Return whether levels are chosen in the gallery."""
-    return session.gallery.open and bool(session.gallery.chosen(session.library))
+    return session.gallery.open and bool(session.gallery.chosen(session.library, session.results))
 
 
 def chosen_cards(session: Session) -> list[Card]:
@@ -78,7 +79,7 @@ def chosen_cards(session: Session) -> list[Card]:
     Raises:
         CommandError: None is.
     """
-    chosen = session.gallery.chosen(session.library)
+    chosen = session.gallery.chosen(session.library, session.results)
     if not chosen:
         raise CommandError("Choose a level first.")
     return chosen
@@ -176,20 +177,42 @@ def rename(session: Session) -> None:
             outside.take(session, document)
         gallery = session.gallery
         gallery.selection, gallery.focus = (str(target),), str(target)
-        if card.path in gallery.tray:
-            gallery.tray[str(target)] = gallery.tray.pop(card.path)
+        gallery.renamed(card.path, str(target))
         look(session)
+        if target != card.file:
+            _tell_sets(session, [card.file])
 
     session.ask(TextQuestion(title="Rename level", text=card.name, accept="Rename", answer=answer))
 
 
+def _tell_sets(session: Session, gone: list[Path]) -> None:
+    """Say which level sets name files that are not there any more."""
+    names = [set_name(path) for path in sets_naming(gone, session.library.sets)]
+    if names:
+        session.toast(f"Level sets that miss a level now: {unsaved.listed(names)}", "warning")
+
+
 def duplicate(session: Session) -> None:
-    """Copy the chosen levels; copies of the app's own go to the user's folder."""
-    made = [filing.duplicate(card.file) for card in chosen_cards(session)]
-    session.gallery.selection = tuple(map(str, made))
-    session.gallery.focus, session.gallery.scroll = str(made[0]), True
-    session.toast(f"Made {made[0]}" if len(made) == 1 else f"Made {len(made)} copies", "success")
-    look(session)
+    """Copy the chosen levels; copies of the app's own go to the user's folder.
+
+    Raises:
+        LevelError: Some cannot be copied; the others are.
+    """
+    made, failed, reason = [], 0, None
+    for card in chosen_cards(session):
+        try:
+            made.append(filing.duplicate(card.file))
+        except LevelError as error:
+            failed += 1
+            reason = reason or error
+    if made:
+        session.gallery.selection = tuple(map(str, made))
+        session.gallery.focus, session.gallery.scroll = str(made[0]), True
+        told = f"Made {made[0]}" if len(made) == 1 else f"Made {len(made)} copies"
+        session.toast(told, "success")
+        look(session)
+    if reason is not None:
+        raise LevelError(f"{reason}{_and_more(failed)}")
 
 
 def delete(session: Session) -> None:
@@ -212,6 +235,7 @@ def delete(session: Session) -> None:
         look(session)
     name = chosen[0].name if len(chosen) == 1 else f"{len(chosen)} levels"
     session.toast(f"Moved {name} to the trash", action="gallery.restore")
+    _tell_sets(session, [one.origin for one in thrown])
 
 
 def can_restore(session: Session) -> bool:
@@ -243,8 +267,12 @@ def restore(session: Session) -> None:
     session.gallery.selection = tuple(str(one.origin) for one in back)
     look(session)
     if reason is not None:
-        others = f" (and {len(waiting) - 1} more)" if len(waiting) > 1 else ""
-        raise LevelError(f"{reason}{others}")
+        raise LevelError(f"{reason}{_and_more(len(waiting))}")
+
+
+def _and_more(count: int) -> str:
+    """Return what follows the first of some reasons."""
+    return f" (and {count - 1} more)" if count > 1 else ""
 
 
 def include_folder(session: Session, folder: Path) -> None:

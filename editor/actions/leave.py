@@ -157,6 +157,8 @@ def _going_on(session: Session) -> list[str]:
     """Return what would be lost: files that are being written or wait for it, an evaluation."""
     evaluation = session.viewer.evaluation
     names = ["the evaluation"] if evaluation.running else []
+    exporting = session.gallery.exporting
+    names += [] if exporting is None else [exporting.name]
     for job in session.worker.jobs:
         path = export.file_of(job)
         if path is not None:
@@ -179,5 +181,7 @@ def _leave(session: Session) -> None:
     session.viewer.evaluation.cancel()
     with session.guard():
         keep_results(session)
+    with session.guard():
+        session.kept_set.keep(session.gallery.tray, again=True)
     session.training.stop()  # It saves; the command line can go on with it.
     session.quitting = True

@@ -2,18 +2,23 @@
 
 import os
 from pathlib import Path
+from typing import Final
 
 from editor.actions import file
 from editor.actions import gallery as browsing
 from editor.base.prompts import Choice, FileQuestion, Question
 from editor.gallery import filing
 from editor.gallery.export import SetPlan, export_set, unpack
+from editor.gallery.named_levels import set_name
 from editor.session import Session
 from editor.session.messages import Kind
-from kinetix.errors import CommandError, LevelError
+from kinetix.errors import CommandError, KinetixError, LevelError
 from kinetix.level.sets import LoadedSet, inline_losses, load_set
 from kinetix.paths import user_levels_dir
 from kinetix.wording import plural
+
+MOST_AT_ONCE: Final = 20
+"""Sets of so many levels are written while the window waits: that is no longer than a blink."""
 
 
 def add_to_set(session: Session) -> None:
@@ -28,8 +33,12 @@ def put_in_set(session: Session, paths: list[str]) -> None:
 
 
 def drop_from_set(session: Session, path: str) -> None:
-    """Take a level out of the set."""
-    session.gallery.tray.pop(path, None)
+    """Take a level out of the set; the message brings it back."""
+    tray = session.gallery.tray
+    card = session.library.card(path)
+    name = Path(path).stem if card is None else card.name
+    kept = {each: weight for each, weight in tray.items() if each != path}
+    _replace(session, kept, f"{name} is no longer in the set")
 
 
 def load_into_set(session: Session, path: Path) -> None:
@@ -88,19 +97,21 @@ def _ask_to_unpack(session: Session, path: Path, loaded: LoadedSet) -> None:
     )
 
 
-def set_name(path: Path) -> str:
-    """Return what a set is called in lists: by its file, or by the folder that it fills."""
-    return path.parent.name if path.stem == "set" else path.stem
-
-
 def _replace(session: Session, tray: dict[str, float], told: str, kind: Kind = "info") -> None:
     """Make other levels the set and say so; the message brings back what the set had."""
     gallery = session.gallery
     undo = None
     if gallery.tray and gallery.tray != tray:
         gallery.tray_before, undo = gallery.tray, "gallery.set_back"
-    gallery.tray = tray
-    session.toast(told, kind, action=undo)
+    gallery.tray, after = tray, dict(tray)
+    # Once the set has been changed again, the button would take that away too.
+    session.messages.toast(told, kind, action=undo, offered=lambda: gallery.tray == after)
+
+
+def weigh(session: Session, before: dict[str, float]) -> None:
+    """Note the set as it was before a weight was changed, so that it can be brought back."""
+    if before != session.gallery.tray:
+        session.gallery.tray_before = before
 
 
 def empty_set(session: Session) -> None:
@@ -128,7 +139,9 @@ def ask_export(session: Session) -> None:
     if not gallery.open:
         browsing.toggle(session)
     if not gallery.tray:
-        put_in_set(session, [card.path for card in gallery.chosen(session.library)])
+        put_in_set(
+            session, [card.path for card in gallery.chosen(session.library, session.results)]
+        )
     if not gallery.tray:
         session.complain("Choose the levels of the set first: Ctrl+A takes all that are shown.")
         return
@@ -137,10 +150,9 @@ def ask_export(session: Session) -> None:
 
 def refused_in_set(session: Session) -> dict[str, str]:
     """Paths and names of the levels that cannot go in: with an error, unreadable, or gone."""
-    cards = {card.path: card for card in session.library.cards}
     found = {}
     for path in session.gallery.tray:
-        card = cards.get(path)
+        card = session.library.card(path)
         if (card is not None and (card.errors or card.fault)) or not os.path.isfile(path):
             found[path] = Path(path).stem if card is None else card.name
     return found
@@ -148,42 +160,30 @@ def refused_in_set(session: Session) -> dict[str, str]:
 
 def leave_out_refused(session: Session) -> None:
     """Take the levels that cannot go in out of the set."""
-    for path in refused_in_set(session):
-        session.gallery.tray.pop(path, None)
+    refused = refused_in_set(session)
+    kept = {path: weight for path, weight in session.gallery.tray.items() if path not in refused}
+    _replace(session, kept, f"Took {plural(len(refused), 'level')} out of the set")
 
 
 def export_now(session: Session) -> None:
-    """Ask where, and write the set."""
+    """Ask where, and write the set; many levels are written in the background."""
     gallery = session.gallery
     plan = gallery.plan
     if plan is None:
         return
     folder = plan.form == "folder"
+    if not gallery.tray:
+        raise CommandError("No level is in the set: put some into it first.")
+    if gallery.exporting is not None:
+        raise CommandError("Another set is being exported: wait until that is done.")
     bad = refused_in_set(session)
     if bad:
         name = next(iter(bad.values()))
         raise CommandError(f"{name} has an error or is gone: mend it, or leave it out.")
 
     def answer(path: Path | None) -> None:
-        if path is None:
-            return
-        try:
-            made = export_set({Path(p): w for p, w in gallery.tray.items()}, plan, path)
-        except LevelError as error:
-            session.toast(str(error), "error")
-            return
-        gallery.plan = None
-        doubles = len(gallery.tray) - len(made.levels)
-        train = sum(each.split == "train" for each in made.levels)
-        more = f", {doubles} left out because they equal others" if doubles else ""
-        if doubles and len(set(gallery.tray.values())) > 1:
-            more += ", the largest weight stays"
-        session.toast(
-            f"Saved {path}: {train} to train on, {len(made.levels) - train} to evaluate on{more}",
-            "success",
-        )
-        _tell_losses(session, made, inline=not folder)
-        browsing.look(session)
+        if path is not None:
+            _write(session, path, plan)
 
     session.ask(
         FileQuestion(
@@ -195,6 +195,50 @@ def export_now(session: Session) -> None:
             answer=answer,
         )
     )
+
+
+def _write(session: Session, path: Path, plan: SetPlan) -> None:
+    """Write the set; where that takes long, beside the window."""
+    gallery = session.gallery
+    levels = {Path(each): weight for each, weight in gallery.tray.items()}
+    if len(levels) <= MOST_AT_ONCE:
+        try:
+            made = export_set(levels, plan, path)
+        except LevelError as error:
+            session.toast(str(error), "error")
+            return
+        gallery.plan = None
+        _exported(session, path, levels, plan, made)
+        return
+    gallery.plan, gallery.exporting = None, path
+    session.toast(f"Exporting {plural(len(levels), 'level')} to {path} …")
+
+    def take(told: LoadedSet | KinetixError) -> None:
+        gallery.exporting = None
+        if isinstance(told, KinetixError):
+            gallery.plan = gallery.plan or plan
+            session.toast(str(told), "error")
+        else:
+            _exported(session, path, levels, plan, told)
+
+    session.fetches.begin(lambda: export_set(levels, plan, path), take)
+
+
+def _exported(
+    session: Session, path: Path, levels: dict[Path, float], plan: SetPlan, made: LoadedSet
+) -> None:
+    """Say what was written of these levels and their weights."""
+    doubles = len(levels) - len(made.levels)
+    train = sum(each.split == "train" for each in made.levels)
+    more = f", {doubles} left out because they equal others" if doubles else ""
+    if doubles and len(set(levels.values())) > 1:
+        more += ", the largest weight stays"
+    session.toast(
+        f"Saved {path}: {train} to train on, {len(made.levels) - train} to evaluate on{more}",
+        "success",
+    )
+    _tell_losses(session, made, inline=plan.form == "file")
+    browsing.look(session)
 
 
 def _tell_losses(session: Session, made: LoadedSet, *, inline: bool) -> None:

@@ -73,7 +73,7 @@ def sources_asked(session: Session) -> tuple[str, ...]:
     form = session.viewer.form
     if form.source != "chosen":
         return form.paths
-    chosen = session.gallery.chosen(session.library)
+    chosen = session.gallery.chosen(session.library, session.results)
     if not chosen:
         raise CommandError("Choose levels in the gallery first (Ctrl+G).")
     return tuple(card.path for card in chosen)

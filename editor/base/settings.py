@@ -204,8 +204,8 @@ def _merged(name: str, mine: Any, before: Any, theirs: Any) -> Any:
     if name in _RECENT:
         return _merged_recents(mine, before, theirs)
     if name == "gallery_folders":
-        return list(_merged_keys(*map(dict.fromkeys, (mine, before, theirs))))
-    return _merged_keys(mine, before, theirs) if isinstance(mine, dict) else mine
+        return list(merged_keys(*map(dict.fromkeys, (mine, before, theirs))))
+    return merged_keys(mine, before, theirs) if isinstance(mine, dict) else mine
 
 
 def _merged_recents(mine: list[str], before: list[str], theirs: list[str]) -> list[str]:
@@ -214,7 +214,7 @@ def _merged_recents(mine: list[str], before: list[str], theirs: list[str]) -> li
     return list(dict.fromkeys([*mine, *added]))[:RECENTS_MAX]
 
 
-def _merged_keys(
+def merged_keys(
     mine: Mapping[str, Any], before: Mapping[str, Any], theirs: Mapping[str, Any]
 ) -> dict[str, Any]:
     """Return what the other window has, with what this one has added, changed and removed."""

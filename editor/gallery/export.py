@@ -80,7 +80,7 @@ def unpack(loaded: LoadedSet, folder: Path) -> dict[Path, float]:
     levels = tuple(dataclasses.replace(one, name=stem_of(one.name)) for one in loaded.levels)
     named = dataclasses.replace(loaded, levels=levels)
     with _new_files(folder) as new:
-        placed = _copies(named, folder, new, overwrite=False)
+        placed = _copies(named, folder, new)
     return {each.path: each.weight for each in placed if each.path is not None}
 
 
@@ -103,30 +103,35 @@ def _new_files(folder: Path) -> Iterator[list[Path]]:
         raise
 
 
-def _copies(
-    made: LoadedSet, folder: Path, new: list[Path], *, overwrite: bool = True
-) -> list[SetLevel]:
-    """Write every level into the folder, under names that differ, and note the new files.
+def _copies(made: LoadedSet, folder: Path, new: list[Path]) -> list[SetLevel]:
+    """Give every level a file in the folder, under names that differ, and note the new files.
 
-    Names that differ in upper and lower case alone are one file on some disks.
+    Levels that lie there stay where they are, and no file gets another content. Names that differ
+    in upper and lower case alone are one file on some disks.
     """
-    taken = {"set"}
+    there = {each.path for each in made.levels if each.path and _lies_in(each.path, folder)}
+    taken = {"set", *(path.stem.casefold() for path in there)}
     numbers = collections.defaultdict(functools.partial(itertools.count, 2))
     placed = []
     for each in made.levels:
+        if each.path in there:
+            placed.append(each)
+            continue
         name = stem = Path(each.name).name
-        while name.casefold() in taken or not (
-            overwrite or _may_have(folder / f"{name}.json", each.level)
-        ):
+        while name.casefold() in taken or not _may_have(folder / f"{name}.json", each.level):
             name = f"{stem}_{next(numbers[stem.casefold()])}"
         taken.add(name.casefold())
         path = folder / f"{name}.json"
         if not os.path.lexists(path):
             new.append(path)
-        if not _holds(path, each.level):
             write_with_backup(path, dumps(each.level).encode(), keep_all=True)
         placed.append(dataclasses.replace(each, path=path, name=name, native=True))
     return placed
+
+
+def _lies_in(path: Path, folder: Path) -> bool:
+    """Return whether a level's file is one of the folder's that a set can name."""
+    return path.stem.casefold() != "set" and path.parent.resolve() == folder.resolve()
 
 
 def _may_have(path: Path, level: Level) -> bool:

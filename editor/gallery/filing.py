@@ -7,6 +7,7 @@ import os
 import shutil
 import sys
 import urllib.parse
+from collections.abc import Collection
 from pathlib import Path
 from typing import Final
 
@@ -18,6 +19,14 @@ from kinetix.paths import levels_dir, state_dir, user_levels_dir
 def bundled(path: Path) -> bool:
     """Return whether a file came with the app: such are left alone."""
     return path.resolve().is_relative_to(levels_dir().resolve())
+
+
+def any_bundled(paths: Collection[Path]) -> bool:
+    """Return whether one of many files came with the app; looks at each folder once."""
+    app = levels_dir().resolve()
+    if any(folder.resolve().is_relative_to(app) for folder in {path.parent for path in paths}):
+        return True
+    return any(path.is_symlink() and bundled(path) for path in paths)
 
 
 _NOTE: Final = ".trashinfo"

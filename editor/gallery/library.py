@@ -67,6 +67,9 @@ class Library:
         self._found: tuple[tuple[Card, ...], tuple[Path, ...], str] | None = None
         self._pictures: collections.OrderedDict[str, Thumbnail] = collections.OrderedDict()
         self._known: dict[str, _Known] | None = None
+        self._listed: tuple[Card, ...] = ()
+        self._by_path: dict[str, Card] = {}
+        """The cards of `_listed`, which were asked for by path last."""
         self._unsaved = False
         """True if files were read that the index on the disk does not have."""
         self.cards: tuple[Card, ...] = ()
@@ -91,6 +94,12 @@ class Library:
             self._asked += 1
             self._start()
             self._condition.notify()
+
+    def card(self, path: str) -> Card | None:
+        """The card of a file, or None where none was found."""
+        if self._listed is not self.cards:
+            self._listed, self._by_path = self.cards, {card.path: card for card in self.cards}
+        return self._by_path.get(path)
 
     def want(self, cards: Sequence[Card]) -> None:
         """Say whose thumbnails are on the screen: they are made next, others no more."""

@@ -40,26 +40,48 @@ class GalleryView:
     """The set that was there before the last one that took its place as a whole."""
     plan: SetPlan | None = None
     """Form of the export, while that is being asked."""
+    exporting: Path | None = None
+    """The set that is being written in the background."""
     thrown: list[tuple[Trashed, ...]] = dataclasses.field(default_factory=list)
     """Deleted files, the last deletion at the end, to bring them back."""
     thrown_weights: dict[Path, float] = dataclasses.field(default_factory=dict)
     """Weights in the set of deleted files, by where they were."""
     _shown: tuple[tuple[object, ...], list[Card]] | None = None
+    _chosen: tuple[tuple[str, ...], list[Card], list[Card]] | None = None
+    """The selection and the cards shown, as they were last, and what is chosen of them."""
 
     def shown(self, library: Library, results: Results) -> list[Card]:
-        """The cards that the wish wants, worked out once for each change."""
-        key = (library.revision, results.revision, self.wish, self.folder)
-        if self._shown is None or self._shown[0] != key:
+        """The cards that the wish wants, worked out once for each change.
+
+        What another wish or another folder hides is no longer selected.
+        """
+        key = (self.wish, self.folder, library.revision, results.revision)
+        before = self._shown[0] if self._shown else key
+        if self._shown is None or before != key:
             cards: Sequence[Card] = library.cards
             if self.folder is not None:
                 cards = [card for card in cards if card.file.is_relative_to(self.folder)]
             self._shown = (key, wanted(cards, self.wish, results))
+            if before[:2] != key[:2]:
+                self.selection = tuple(card.path for card in self._seen(self._shown[1]))
         return self._shown[1]
 
-    def chosen(self, library: Library) -> list[Card]:
-        """The cards that are selected and still there."""
-        by_path = {card.path: card for card in library.cards}
+    def chosen(self, library: Library, results: Results) -> list[Card]:
+        """The cards that are selected and in sight, or would be after scrolling."""
+        shown, old = self.shown(library, results), self._chosen
+        if old is None or old[0] is not self.selection or old[1] is not shown:
+            self._chosen = old = (self.selection, shown, self._seen(shown))
+        return old[2]
+
+    def _seen(self, shown: Sequence[Card]) -> list[Card]:
+        by_path = {card.path: card for card in shown}
         return [by_path[path] for path in self.selection if path in by_path]
+
+    def renamed(self, old: str, new: str) -> None:
+        """Let a level that has another path now keep its place and weight in the sets."""
+        self.tray = _renamed(self.tray, old, new)
+        if self.tray_before is not None:
+            self.tray_before = _renamed(self.tray_before, old, new)
 
     def click(self, cards: Sequence[Card], path: str, *, toggle: bool, extend: bool) -> None:
         """Choose a card as lists do: alone, with Ctrl besides others, with Shift up to it."""
@@ -94,3 +116,7 @@ class GalleryView:
         at = paths.index(self.focus) if self.focus in paths else -1
         at = min(max(at + steps, 0), len(paths) - 1) if at >= 0 else 0
         self.focus, self.selection, self.scroll = paths[at], (paths[at],), True
+
+
+def _renamed(tray: dict[str, float], old: str, new: str) -> dict[str, float]:
+    return {new if path == old else path: weight for path, weight in tray.items()}

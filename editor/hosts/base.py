@@ -72,6 +72,8 @@ class Host(abc.ABC):
         io.config_error_recovery_enable_assert = False
         io.config_error_recovery_enable_tooltip = False
         io.config_error_recovery_enable_debug_log = True
+        # A message for programmers; the tests count the things under the pointer themselves.
+        io.config_debug_highlight_id_conflicts = False
         theme.load_fonts()
         self._renderer = self._make_renderer()
         self.ui = Ui(session, self._renderer, scale=scale)

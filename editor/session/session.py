@@ -28,6 +28,7 @@ from editor.documents.old_names import OldNames
 from editor.editing.snapping import CATCH_PIXELS, RELEASE_PIXELS, Rules, Targets, targets
 from editor.editing.tools import TOOLS
 from editor.editing.tools.base import NOTHING, Driver, Tool
+from editor.gallery.kept_set import KeptSet
 from editor.gallery.library import Library
 from editor.gallery.results import Results
 from editor.gallery.view import GalleryView
@@ -70,6 +71,7 @@ class Session:
         evaluator: Worker | None = None,
         autosaves: Autosaves | None = None,
         keeper: SettingsKeeper | None = None,
+        kept_set: KeptSet | None = None,
     ) -> None:
         self.settings = settings or Settings()
         self.worker = worker or Worker()
@@ -96,7 +98,9 @@ class Session:
         """True if the tool stays after it has made something (its key was pressed twice)."""
         self.driver = Driver(self)
         self.view = View()
-        self.gallery = GalleryView()
+        self.kept_set = kept_set or KeptSet(stored=False)
+        """Writes the set that is put together in the gallery."""
+        self.gallery = GalleryView(tray=self.kept_set.read())
         self.library = library or Library()
         self.fetches = Fetches()
         """The levels that the gallery shows."""

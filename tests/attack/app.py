@@ -30,12 +30,14 @@ def settings() -> tuple[bytes, ...]:
     }
     results = {"0" * 64: {"you": [3, 1], "x": [2, 2]}}
     names = {"/a/b.json": {"1": "wheel", "2": "arm"}}
-    return tuple(json.dumps(tree).encode() for tree in (kept, results, names))
+    level_set = {"levels": {"/a/b.json": 2.5, "/a/c.json": 1}}
+    return tuple(json.dumps(tree).encode() for tree in (kept, results, names, level_set))
 
 
 def read_settings(data: bytes, folder: Path) -> None:
     from editor.base.settings import Settings
     from editor.documents.old_names import OldNames
+    from editor.gallery.kept_set import WEIGHTS, KeptSet
     from editor.gallery.results import Results
 
     path = folder / "kept.json"
@@ -46,6 +48,8 @@ def read_settings(data: bytes, folder: Path) -> None:
     assert all(isinstance(name, str) for name in settings.recents)
     assert isinstance(Results(path).players, tuple)
     assert all(isinstance(name, str) for name in OldNames(path).of(Path("/a/b.json")).values())
+    low, high = WEIGHTS
+    assert all(low <= weight <= high for weight in KeptSet(path).read().values())
     settings.save(folder / "again.json")
 
 

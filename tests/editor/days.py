@@ -11,6 +11,7 @@ from editor.documents.autosaves import Autosaves
 from editor.documents.commands.fields import SetField
 from editor.documents.commands.group import Move
 from editor.documents.old_names import OldNames
+from editor.gallery.kept_set import KeptSet
 from editor.gallery.results import HUMAN, Results
 from editor.hosts.headless import HeadlessHost
 from editor.session import Session
@@ -47,6 +48,7 @@ def a_session(worker: Worker, level: Level | None = None) -> Session:
         keeper=SettingsKeeper(settings),
         results=Results(),
         old_names=OldNames(),
+        kept_set=KeptSet(),
         worker=worker,
         level=level,
     )

@@ -4,6 +4,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from imgui_bundle import imgui
 
 from editor.actions import file
 from editor.base import language
@@ -14,9 +15,10 @@ from editor.toolkit.widgets import Probe
 from editor.worker.jobs import Worker
 from kinetix.level.model import Level
 from tests.editor import days
+from tests.editor.gui.browsing import gallery, mine
 from tests.editor.gui.viewing import viewer_gui, with_agent
 
-__all__ = ["viewer_gui", "with_agent"]
+__all__ = ["gallery", "mine", "viewer_gui", "with_agent"]
 
 
 @pytest.fixture(autouse=True)
@@ -54,6 +56,12 @@ class Gui:
     def move(self, x: float, y: float) -> None:
         event = PointerEvent(kind=Pointer.MOVE, world=(0, 0), screen=(x, y), button=0)
         self.host.frames(1, event)
+        self.one_thing_under_the_pointer()
+
+    def one_thing_under_the_pointer(self) -> None:
+        """Fail where two things have one id: Dear ImGui gives a click to neither or to both."""
+        context = imgui.get_current_context()
+        assert context.hovered_id_previous_frame_item_count <= 1, "two things with one id"
 
     def button(self, x: float, y: float, *, pressed: bool, button: int = 1) -> None:
         kind = Pointer.PRESS if pressed else Pointer.RELEASE
@@ -63,6 +71,7 @@ class Gui:
     def click_at(self, x: float, y: float, *, button: int = 1) -> None:
         self.move(x, y)
         self.button(x, y, pressed=True, button=button)
+        self.one_thing_under_the_pointer()
         self.button(x, y, pressed=False, button=button)
         self.frames(2)
 

@@ -34,6 +34,8 @@ class CardGrid:
 
     def __init__(self, textures: TextureStore) -> None:
         self._thumbs = Thumbs(textures)
+        self._chosen: frozenset[str] = frozenset()
+        """Paths of the cards that are selected."""
         self.missing = False
         """True if a picture in sight was not there in the last frame."""
 
@@ -48,6 +50,7 @@ class CardGrid:
         if not cards:
             self._nothing(session)
             return
+        self._chosen = frozenset(gallery.selection)
         gap = px(6)
         space = imgui.get_content_region_avail()
         columns = max(1, int((space.x + gap) / (px(_SIDE + 2 * _PAD) + gap)))
@@ -99,7 +102,7 @@ class CardGrid:
         pressed = imgui.invisible_button(f"card-{card.path}", size)
         widgets.probe(session, f"gallery.card.{card.file.stem}")
         hovered = imgui.is_item_hovered()
-        chosen = card.path in gallery.selection
+        chosen = card.path in self._chosen
         if pressed:
             io = imgui.get_io()
             gallery.click(cards, card.path, toggle=io.key_ctrl, extend=io.key_shift)
@@ -183,7 +186,7 @@ class CardGrid:
             gallery.selection = (card.path,)
             gallery.focus = card.path
         imgui.set_drag_drop_payload_py_id(PAYLOAD, 1)
-        count = len(gallery.selection)
+        count = len(gallery.chosen(session.library, session.results))
         widgets.raw(card.name if count == 1 else tr(f"{count} levels"))
         imgui.end_drag_drop_source()
 

@@ -35,8 +35,14 @@ _COUNT: Final = 116.0
 """Room for the number of levels, so that nothing moves as it changes [px at 100 %]."""
 
 
-def draw_head(session: "Session", cards: Sequence[Card]) -> None:
-    """Title, search, order, number of levels; filters below."""
+def draw_head(session: "Session", cards: Sequence[Card], *, places: bool) -> None:
+    """Title, search, order, number of levels; filters below.
+
+    Args:
+        session: The session.
+        cards: The levels that are shown.
+        places: Whether the folders are on the screen: else the chosen one is named here.
+    """
     gallery, wish = session.gallery, session.gallery.wish
     with widgets.font(FONTS.bold, 18):
         imgui.align_text_to_frame_padding()
@@ -68,6 +74,8 @@ def draw_head(session: "Session", cards: Sequence[Card]) -> None:
         session.queue("gallery.close")
     widgets.tooltip("Back to the level", keys="Esc")
     _filters(session)
+    if not places:
+        _folder(session)
     imgui.dummy((0, px(2)))
 
 
@@ -133,6 +141,18 @@ def _filters(session: "Session") -> None:
             gallery.wish = dataclasses.replace(
                 type(wish)(), words=wish.words, sort=wish.sort, descending=wish.descending
             )
+
+
+def _folder(session: "Session") -> None:
+    """The folder that is shown alone; a click shows all levels again."""
+    folder = session.gallery.folder
+    if folder is None:
+        return
+    widgets.beside(_CLEAR, gap=10)
+    label = widgets.fitted(folder.name, px(_CLEAR))
+    if widgets.icon_button(session, "gallery.all_folders", Icons.close, label=label):
+        session.gallery.folder = None
+    widgets.tooltip("All levels", str(folder))
 
 
 def _switch(session: "Session", field: str, label: str) -> None:

@@ -11,7 +11,7 @@ from editor.toolkit.textures import TextureStore
 from editor.toolkit.widgets import px
 from editor.window.panels.gallery.cards import CardGrid
 from editor.window.panels.gallery.head import draw_head
-from editor.window.panels.gallery.places import draw_places
+from editor.window.panels.gallery.places import draw_places, listed
 from editor.window.panels.gallery.side import Side
 
 if TYPE_CHECKING:
@@ -43,8 +43,8 @@ class GalleryPage:
 
     def animating(self, session: "Session") -> bool:
         """Return whether the next frame differs: levels or pictures are on their way."""
-        library = session.library
-        return library.busy or self._grid.missing or self._revision != library.revision
+        library, exporting = session.library, session.gallery.exporting is not None
+        return exporting or library.busy or self._grid.missing or self._revision != library.revision
 
     def draw(self, session: "Session") -> None:
         """Draw it over everything between the bars."""
@@ -79,11 +79,13 @@ class GalleryPage:
     def _page(self, session: "Session") -> None:
         gallery = session.gallery
         self._revision = session.library.revision
+        if gallery.folder is not None and not session.library.busy:
+            gallery.folder = gallery.folder if listed(session, gallery.folder) else None
         cards = gallery.shown(session.library, session.results)
-        draw_head(session, cards)
+        left = px(_LEFT) if imgui.get_content_region_avail().x > px(760) else 0.0
+        draw_head(session, cards, places=left > 0)
         space = imgui.get_content_region_avail()
         gap = imgui.get_style().item_spacing.x
-        left = px(_LEFT) if space.x > px(760) else 0.0
         right = px(_RIGHT) if space.x > px(980) or gallery.tray else 0.0
         self.side = right
         if left:

@@ -13,6 +13,7 @@ from editor.actions import gallery as doing
 from editor.actions import level_sets
 from editor.base.language import tr
 from editor.gallery.card import Card
+from editor.gallery.named_levels import set_name
 from editor.gallery.search import SIZE_ORDER, tag_counts
 from editor.toolkit import widgets
 from editor.toolkit.appearance import COLOURS, FONTS, SMALL, Icons, u32
@@ -46,7 +47,7 @@ def draw_places(session: "Session") -> None:
         imgui.dummy((0, px(8)))
         _heading("Level sets")
         for path in session.library.sets:
-            name = level_sets.set_name(path)
+            name = set_name(path)
             label = widgets.labelled(f"{Icons.level}  {name}", f"set-{path}")
             if imgui.selectable(label, False)[0]:
                 session.queue(lambda path=path: level_sets.load_into_set(session, path))
@@ -58,6 +59,14 @@ def draw_places(session: "Session") -> None:
         imgui.dummy((0, px(8)))
         _heading("Tags")
         _tags(session, tags[:_TAGS])
+
+
+def listed(session: "Session", folder: Path) -> bool:
+    """Return whether a folder has a line: one that is chosen has none once it is gone."""
+    roots = [*doing.folders(session), *doing.unreachable(session)]
+    if folder in roots:
+        return True
+    return folder.parent in roots and str(folder) in _folder_counts(session.library.cards)
 
 
 def _place(
@@ -76,14 +85,16 @@ def _place(
     start, width = imgui.get_cursor_screen_pos(), imgui.get_content_region_avail().x
     height = imgui.get_text_line_height() + px(9)
     chosen = gallery.folder == folder
-    if imgui.selectable(f"###place-{folder}", chosen, 0, (0, height))[0]:
+    # A folder that was added may stand below another one as well.
+    place = f"{indent}-{folder}"
+    if imgui.selectable(f"###place-{place}", chosen, 0, (0, height))[0]:
         gallery.folder = folder
     widgets.probe(session, f"gallery.folder.{folder.name if folder else 'all'}")
     if folder is not None:
         gone = "" if count is not None else f"\n{tr('It cannot be reached now.')}"
         widgets.tooltip(label, f"{folder}{gone}")
         added = str(folder) in session.settings.gallery_folders
-        if added and imgui.begin_popup_context_item(f"place-menu-{folder}"):
+        if added and imgui.begin_popup_context_item(f"place-menu-{place}"):
             if imgui.menu_item_simple(tr("Show it no more")):
                 session.queue(lambda: doing.remove_folder(session, folder))
             imgui.end_popup()

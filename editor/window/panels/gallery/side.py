@@ -6,10 +6,9 @@ from typing import TYPE_CHECKING
 from imgui_bundle import imgui
 
 from editor import actions
-from editor.actions import level_sets
 from editor.base.language import tr
 from editor.gallery.card import Card
-from editor.gallery.filing import bundled
+from editor.gallery.filing import any_bundled
 from editor.toolkit import widgets
 from editor.toolkit.appearance import COLOURS, FONTS, SMALL, Icons
 from editor.toolkit.widgets import px
@@ -28,6 +27,8 @@ class Side:
 
     def __init__(self) -> None:
         self._tray = SetTray()
+        self._judged: tuple[list[Card], bool] = ([], False)
+        """The cards that were chosen last, and whether one came with the app."""
 
     def dialog(self, session: "Session") -> None:
         """Ask how the set is to be exported, while that is asked."""
@@ -70,10 +71,10 @@ class Side:
 
     def _drop(self, session: "Session") -> None:
         if imgui.accept_drag_drop_payload_py_id(PAYLOAD) is not None:
-            session.queue(lambda: level_sets.put_in_set(session, list(session.gallery.selection)))
+            session.queue("gallery.add_to_set")
 
     def _details(self, session: "Session") -> None:
-        chosen = session.gallery.chosen(session.library)
+        chosen = session.gallery.chosen(session.library, session.results)
         if not chosen:
             widgets.empty_state(
                 Icons.level,
@@ -97,13 +98,18 @@ class Side:
         for number, (action_id, label, icon) in enumerate(buttons):
             enabled = actions.available(session, actions.BY_ID[action_id])
             if action_id in ("gallery.rename", "gallery.delete"):
-                enabled = enabled and not any(bundled(card.file) for card in chosen)
+                enabled = enabled and not self._any_bundled(chosen)
             if number % 2:
                 imgui.same_line(0, px(6))
             if widgets.icon_button(session, action_id, icon, label=label, enabled=enabled):
                 session.queue(action_id)
             action = actions.BY_ID[action_id]
             widgets.tooltip(action.label, action.tooltip, key_of(session, action_id))
+
+    def _any_bundled(self, chosen: list[Card]) -> bool:
+        if self._judged[0] is not chosen:
+            self._judged = (chosen, any_bundled([card.file for card in chosen]))
+        return self._judged[1]
 
     def _one(self, session: "Session", card: Card) -> None:
         side = min(imgui.get_content_region_avail().x, px(280))

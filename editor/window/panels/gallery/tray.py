@@ -11,6 +11,7 @@ from editor.actions import level_sets, unsaved
 from editor.base.language import tr
 from editor.gallery.card import Card
 from editor.gallery.export import SetPlan
+from editor.gallery.kept_set import WEIGHTS
 from editor.toolkit import widgets
 from editor.toolkit.appearance import COLOURS, FONTS, Icons, Rgba
 from editor.toolkit.widgets import px
@@ -21,8 +22,8 @@ if TYPE_CHECKING:
     from editor.session import Session
 
 _AUTOMATIC: Final = "auto"
-_WEIGHTS: Final = (0.01, 100.0)
-"""The least and the greatest weight of a level."""
+_LOOK_SECONDS: Final = 1.0
+"""Interval at which it is looked for the files of the set while its export is asked [s]."""
 _CLAMPED: Final = imgui.SliderFlags_.always_clamp.value
 _SIZES: Final[dict[str, SizeName | None]] = {
     _AUTOMATIC: None,
@@ -53,6 +54,10 @@ class SetTray:
     def __init__(self) -> None:
         self._list_open = False
         """True if a list of the dialog was open in the last frame: Esc was that one's."""
+        self._before: dict[str, float] = {}
+        """The set as it was before the weight that is being changed."""
+        self._refused: tuple[float, int, dict[str, float], dict[str, str]] = (0.0, -1, {}, {})
+        """When, and of which list and which set, it was looked at last what no set takes."""
 
     def draw(self, session: "Session") -> None:
         """Draw the list into the current window."""
@@ -67,7 +72,6 @@ class SetTray:
             return
         footer = imgui.get_frame_height() + px(12)
         imgui.begin_child("tray", (0, max(imgui.get_content_region_avail().y - footer, px(60))))
-        by_path = {card.path: card for card in session.library.cards}
         flags = imgui.TableFlags_.sizing_stretch_prop.value
         if imgui.begin_table("levels", 3, flags):
             imgui.table_setup_column(tr("Level"), imgui.TableColumnFlags_.width_stretch.value)
@@ -75,12 +79,20 @@ class SetTray:
             imgui.table_setup_column(tr("Weight"), fixed, px(64))
             imgui.table_setup_column("", fixed, px(26))
             imgui.table_headers_row()
-            for path in list(tray):
-                self._row(session, path, by_path.get(path))
+            paths = list(tray)
+            clipper = imgui.ListClipper()
+            clipper.begin(len(paths))
+            while clipper.step():
+                for path in paths[clipper.display_start : clipper.display_end]:
+                    self._row(session, path, session.library.card(path))
+            clipper.end()
             imgui.end_table()
         imgui.end_child()
-        if widgets.primary_button(session, "gallery.export", "Export set…"):
-            session.queue("level.export_set")
+        exporting = session.gallery.exporting is not None
+        with widgets.disabled(exporting):
+            label = "Exporting …" if exporting else "Export set…"
+            if widgets.primary_button(session, "gallery.export", label):
+                session.queue("level.export_set")
         imgui.same_line()
         if widgets.button(session, "gallery.empty", "Empty the set"):
             session.queue(lambda: level_sets.empty_set(session))
@@ -98,12 +110,17 @@ class SetTray:
         imgui.table_next_column()
         imgui.set_next_item_width(-1)
         changed, weight = imgui.drag_float(
-            f"###weight-{path}", tray[path], 0.05, *_WEIGHTS, "%.4g", _CLAMPED
+            f"###weight-{path}", tray[path], 0.05, *WEIGHTS, "%.4g", _CLAMPED
         )
         widgets.probe(session, f"gallery.weight.{name}")
+        if imgui.is_item_activated():
+            self._before = dict(tray)
         widgets.tooltip("Weight", "How often training draws it, compared with the others.")
         if changed:
             tray[path] = weight
+        if imgui.is_item_deactivated_after_edit():
+            before = self._before
+            session.queue(lambda: level_sets.weigh(session, before))
         imgui.table_next_column()
         if widgets.icon_button(session, f"gallery.drop.{path}", Icons.close):
             session.queue(lambda: level_sets.drop_from_set(session, path))
@@ -145,12 +162,14 @@ class SetTray:
                 self._rows(session, plan, changes)
         if changes:
             gallery.plan = dataclasses.replace(plan, **changes)
-        bad = level_sets.refused_in_set(session)
+        bad = self._refused_now(session)
         if bad:
             names = unsaved.listed(list(bad.values()))
             _line(f"{Icons.error}  {names}: with an error or gone, no set takes it.", COLOURS.bad)
             if widgets.button(session, "export.leave_out", "Leave out what has errors"):
                 session.queue(lambda: level_sets.leave_out_refused(session))
+        if not gallery.tray:
+            _line(f"{Icons.error}  No level is in the set: put some into it first.", COLOURS.bad)
         changed = unsaved.unsaved_among(session, gallery.tray)
         if changed:
             names = unsaved.listed(changed)
@@ -165,11 +184,21 @@ class SetTray:
             gallery.plan = None
             return True
         imgui.same_line()
-        with widgets.disabled(bool(bad) or not plan.name.strip()):
+        with widgets.disabled(bool(bad) or not gallery.tray or not plan.name.strip()):
             if widgets.primary_button(session, "export.accept", "Choose where…", width=width):
                 session.queue(lambda: level_sets.export_now(session))
                 return True
         return False
+
+    def _refused_now(self, session: "Session") -> dict[str, str]:
+        """Return what cannot go into the set; files are looked for now and then."""
+        tray, revision = session.gallery.tray, session.library.revision
+        looked, listed, of, found = self._refused
+        due = not 0.0 <= session.time - looked < _LOOK_SECONDS
+        if due or listed != revision or of is not tray:
+            found = level_sets.refused_in_set(session)
+            self._refused = (session.time, revision, tray, found)
+        return found
 
     def _rows(self, session: "Session", plan: SetPlan, changes: dict[str, object]) -> None:
         widgets.row("Name")

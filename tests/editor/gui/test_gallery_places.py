@@ -1,0 +1,64 @@
+"""The places at the left of the gallery: folders below folders, folders that are gone."""
+
+import shutil
+
+from imgui_bundle import imgui
+
+from editor.base.events import DropEvent
+from kinetix.level.codec import save_level
+from tests.editor.core.test_gallery import playable
+from tests.editor.gui.browsing import cards, settle
+
+
+def with_inner(gallery, mine):
+    """Make a folder below the user's own, and show it alone."""
+    inner = mine / "in"
+    inner.mkdir()
+    save_level(playable("Inner", 2.5), inner / "inner.json")
+    gallery.key("escape")
+    gallery.key("ctrl+g")
+    settle(gallery)
+    gallery.click("gallery.folder.in")
+    settle(gallery)
+    assert cards(gallery) == {"gallery.card.inner"}
+    return inner
+
+
+def test_all_levels_are_shown_once_the_folder_is_gone(gallery, mine):
+    shutil.rmtree(with_inner(gallery, mine))
+    gallery.key("escape")
+    gallery.key("ctrl+g")
+    settle(gallery)
+    assert gallery.session.gallery.folder is None and len(cards(gallery)) == 3
+
+
+def test_a_narrow_window_names_the_folder_that_is_shown(gallery, mine):
+    with_inner(gallery, mine)
+    assert not gallery.shows("gallery.all_folders")
+    gallery.host.resize((740, 600))
+    settle(gallery)
+    assert not gallery.shows("gallery.folder.in")
+    assert gallery.probe("gallery.all_folders").high[0] < 740
+    gallery.click("gallery.all_folders")
+    settle(gallery)
+    assert gallery.session.gallery.folder is None and "gallery.card.rocket" in cards(gallery)
+
+
+def test_a_folder_below_another_one_has_two_lines_and_both_can_be_clicked(gallery, mine):
+    inner = mine / "in"
+    inner.mkdir()
+    save_level(playable("Inner", 2.5), inner / "inner.json")
+    gallery.host.frames(1, DropEvent(path=str(inner)))
+    settle(gallery)
+    x, own = gallery.probe("gallery.folder.in").centre
+    low, high = gallery.probe("gallery.folder.Kinetix").low, gallery.probe("gallery.folder.in").low
+    lines = {"its own": own, "below the other": low[1] + (high[1] - low[1]) * 3 / 4}
+    for name, y in lines.items():
+        gallery.click("gallery.folder.all")
+        gallery.click_at(x, y)
+        assert gallery.session.gallery.folder == inner, name
+        assert cards(gallery) == {"gallery.card.inner"}, name
+
+
+def test_no_message_for_programmers_is_on_the_screen(gui):
+    assert not imgui.get_io().config_debug_highlight_id_conflicts
