@@ -120,17 +120,18 @@ def test_a_failed_trace_leaves_the_old_one(played, tmp_path, monkeypatch):  # no
     assert [p.name for p in tmp_path.iterdir() if p.is_file()] == ["episode.npz"]
 
 
-def test_a_set_keeps_the_levels_that_its_copies_overwrite(path, tmp_path):
+def test_a_set_overwrites_no_level_in_its_folder(path, tmp_path):
     there = tmp_path / "set" / "mine.json"
     there.parent.mkdir()
     save_level(MOVE.apply(a_level()), there)
     old = there.read_bytes()
     export_set({path: 1.0}, SetPlan(form="folder"), there.parent)
-    first = there.read_bytes()
+    first = there.with_name("mine_2.json").read_bytes()
     save_level(a_level().replace(max_timesteps=99), path)
-    export_set({path: 1.0}, SetPlan(form="folder"), there.parent)
-    assert there.with_name("mine.json.bak2").read_bytes() == old
-    assert there.with_name("mine.json.bak").read_bytes() == first
+    (third,) = export_set({path: 1.0}, SetPlan(form="folder"), there.parent).levels
+    assert third.path == there.with_name("mine_3.json")
+    assert there.read_bytes() == old
+    assert there.with_name("mine_2.json").read_bytes() == first
 
 
 @pytest.mark.parametrize("form", ["folder", "file"])
