@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from kinetix.engine import Capacity, SceneSpec, solver_named
-from kinetix.engine.collision import Slots, share_of_way
+from kinetix.engine.collision import Slots, held_by_walls
 from kinetix.engine.collision.driver import _near
-from kinetix.engine.collision.points import Approach
+from kinetix.engine.collision.points import Approach, PointList
 from kinetix.engine.collision.scene import Rules
 from kinetix.engine.maths import Vec
 from kinetix.engine.shapes import turn_polygons
@@ -35,9 +35,11 @@ def share(way, *, wall=(0.05, 2.0), hinged=False, collision: Collision = "normal
     world, state = jax.tree.map(lambda x: jnp.asarray(x)[..., None], (scene.world, scene.state))
     start = state.position
     end = Vec(x=start[:, 0].at[DISC].add(way[0]), y=start[:, 1].at[DISC].add(way[1]))
-    return np.asarray(share_of_way(world, state, turn_polygons(world.bodies, state.rotation), end))[
-        :, 0
-    ]
+    polygons = turn_polygons(world.bodies, state.rotation)
+    nothing_prepared = PointList.empty(1, state.rotation).points
+    held = held_by_walls(world, state, polygons, nothing_prepared, end, jnp.full(1, 1 / 60))
+    assert not np.any(held.back.x) and not np.any(held.back.y)
+    return np.asarray(held.share)[:, 0]
 
 
 @pytest.mark.parametrize("angle", [0.0, 0.5, 1.2])
@@ -82,6 +84,31 @@ def test_a_fast_body_in_a_narrow_box_stays_there():
     b.rectangle(0.01, 0, 0.1, 0.1, angle=0.3, velocity=(95.0, 3.0), restitution=1)
     run = simulate(b.build(), 0.5)
     assert np.abs(run.position[:, -1, 0]).max() < 0.15
+
+
+def parted(first, second):
+    """The widest gap along any edge's normal between two convex polygons, (corners, 2) [m]."""
+    edges = np.concatenate([np.roll(corners, -1, 0) - corners for corners in (first, second)])
+    normals = np.stack([-edges[:, 1], edges[:, 0]], 1) / np.hypot(*edges.T)[:, None]
+    here, there = first @ normals.T, second @ normals.T
+    return np.maximum(there.min(0) - here.max(0), here.min(0) - there.max(0)).max()
+
+
+@pytest.mark.parametrize("gravity", [0.0, -9.81])
+def test_a_long_body_across_a_thin_wall_is_parted_from_it(gravity):
+    """Its contact would push its centre through the wall, which nothing may cross."""
+    b = LevelBuilder("Triangle across a slab", gravity=(0.0, gravity), arena=False)
+    slab = [(0.28, -0.14), (0.3, -0.08), (-0.28, 0.14), (-0.3, 0.08)]
+    b.polygon(slab, fixed=True)
+    triangle = b.polygon([(0.36, 0.19), (0.15, 0.17), (-0.3, -0.27)])
+    level = b.build()
+    run = simulate(level, 2.0)
+    speed = np.hypot(*run.velocity[:, 1].T)
+    way = np.hypot(*np.diff(run.position[:, 1], axis=0).T) * 60
+    assert not np.any((speed[1:] > 1) & (way < 0.1 * speed[1:]))
+    cos, sin = np.cos(run.rotation[-1, 1]), np.sin(run.rotation[-1, 1])
+    corners = np.asarray(level.body(triangle).shape.vertices) @ [[cos, sin], [-sin, cos]]
+    assert parted(np.asarray(slab), corners + run.position[-1, 1]) > -1e-3
 
 
 def chosen(separation, meets, room, points=100):

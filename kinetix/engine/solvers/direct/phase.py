@@ -7,7 +7,7 @@ import dataclasses
 
 from jaxtyping import Array, Bool, Float
 
-from kinetix.engine.collision import Found, share_of_way
+from kinetix.engine.collision import Found, held_by_walls
 from kinetix.engine.maths import Vec, vec
 from kinetix.engine.solvers.direct.joint_system import JointSystem
 from kinetix.engine.solvers.rows import Velocity
@@ -33,12 +33,16 @@ class Phase:
     """True for contacts that have pushed in any substep."""
 
 
-def before_walls(world: World, state: State, found: Found, end: Phase) -> Phase:
-    """The end of a step in which no body's centre has entered a fixed polygon."""
-    share = share_of_way(world, state, found.polygons, end.position)
+def before_walls(
+    world: World, state: State, found: Found, end: Phase, dt: Float[Array, " n"]
+) -> Phase:
+    """The end of a step [s] in which no body's centre has entered a fixed polygon."""
+    held = held_by_walls(world, state, found.polygons, found.points, end.position, dt)
     start = vec(state.position)
+    goes = (held.back.x == 0) & (held.back.y == 0)
     return dataclasses.replace(
         end,
-        position=start + (end.position - start) * share,
-        rotation=state.rotation + (end.rotation - state.rotation) * share,
+        position=start + (end.position - start) * held.share + held.back,
+        rotation=state.rotation + (end.rotation - state.rotation) * held.share,
+        velocity=end.velocity * goes.astype(held.share.dtype),
     )

@@ -141,7 +141,7 @@ class Direct(AbstractSolver):
             return self._substep(this, phase, system, spec), None
 
         end, _ = jax.lax.scan(substep, start, None, length=self.substeps)
-        end = before_walls(world, state, found, store(end))
+        end = before_walls(world, state, found, store(end), parameters.dt)
         return finish(state, end, found, system.contrast, h, parameters)
 
     def _substep(self, step: Step, phase: Phase, system: ContactSystem, spec: SceneSpec) -> Phase:
