@@ -4,7 +4,7 @@ import contextlib
 from collections.abc import Iterator
 from typing import Final
 
-from editor.actions import export, recording
+from editor.actions import export, outside, recording
 from editor.actions.file import ask_moment, if_settled, save
 from editor.actions.measure import keep_results
 from editor.base.prompts import Choice, Question
@@ -41,6 +41,7 @@ def _settle(session: Session) -> None:
     if changed is not None:
         ask_moment(session, changed, lambda: quit_app(session))
         return
+    outside.note_lost(session, *session.tabs.documents)
     unsaved = [tab for tab in session.tabs if tab.document.dirty]
     if len(unsaved) < 2:
         if_settled(session, unsaved[0] if unsaved else session.tab, lambda: _quit(session))

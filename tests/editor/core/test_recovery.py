@@ -555,7 +555,7 @@ def test_save_mine(contested, path):
     session, theirs = contested
     session.answer(session.prompts[-1], "mine")
     assert load_level(path) == session.document.level
-    assert load_level(path.with_name("mine.json.bak")) == theirs
+    assert load_level(path.with_name("mine.json.bak2")) == theirs
     actions.run(session, "file.save")
     assert not session.prompts
 
@@ -578,7 +578,7 @@ def test_a_file_that_is_damaged_meanwhile_can_be_replaced(start, path):
     assert [choice.id for choice in prompt.choices] == ["both", "mine", "cancel"]
     session.answer(prompt, "mine")
     assert load_level(path) == session.document.level
-    assert path.with_name("mine.json.bak").read_text() == "{"
+    assert path.with_name("mine.json.bak2").read_text() == "{"
 
 
 def test_saving_again_and_again_never_asks(start, path):
