@@ -333,6 +333,13 @@ def keep_results(session: Session) -> None:
 
     Of one that was cancelled or failed, the levels that were played to the end count.
     """
+    fault = session.results.take_fault()
+    if fault:
+        session.toast(
+            f"{fault}. Its results are not shown; with the next one the file is written anew, and "
+            "then the old one is a .bak file beside it",
+            "warning",
+        )
     ended = session.viewer.evaluation.ended
     while ended:
         plan, standing = ended.pop(0)

@@ -110,7 +110,7 @@ def backup_of(path: Path) -> Path:
 
 
 def free_backup(path: Path) -> Path:
-    """Return the first of `NAME.bak2`, `NAME.bak3` and so on that is free; no save writes it anew."""
+    """Return the first of `NAME.bak2`, `NAME.bak3` and so on that is free."""
     names = (_beside(path, f"{_BACKUP}{number}") for number in itertools.count(2))
     return next(name for name in names if not os.path.lexists(name))
 
