@@ -183,6 +183,8 @@ def _leave(session: Session) -> None:
     with session.guard():
         keep_results(session)
     with session.guard():
+        session.results.flush()
+    with session.guard():
         session.kept_set.keep(session.gallery.tray, again=True)
     session.training.stop()  # It saves; the command line can go on with it.
     session.quitting = True

@@ -116,8 +116,29 @@ class Results:
         Raises:
             LevelError: The file cannot be written.
         """
+        self.record_all({trial: levels})
+
+    def record_all(self, found: Mapping[Trial, Mapping[str, Record]]) -> None:
+        """Keep how several players did, as `record` does of one; the file is written once.
+
+        Raises:
+            LevelError: The file cannot be written; the next write, or `flush`, adds them all.
+        """
+        records: dict[str, dict[Trial, Record]] = {}
+        for trial, levels in found.items():
+            for sha256, record in levels.items():
+                records.setdefault(sha256, {})[trial] = record
         self._refresh()
-        self._put({sha256: {trial: record} for sha256, record in levels.items()})
+        self._put(records)
+
+    def flush(self) -> None:
+        """Try again what could not be written.
+
+        Raises:
+            LevelError: It still cannot.
+        """
+        if self._unwritten:
+            self.record_all({})
 
     def add_episode(self, player: str, sha256: str, *, won: bool) -> None:
         """Count one more episode of a player (the user's own play).

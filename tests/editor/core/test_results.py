@@ -1,14 +1,19 @@
 """The file of results: a newer version's entries, a broken file, and two windows."""
 
 import json
+from types import SimpleNamespace
 
 import pytest
 
 from editor import actions
+from editor.agents.evaluation import Plan
 from editor.gallery.results import HUMAN, Record, Results, Trial
 from editor.session import Session
 from editor.worker.jobs import Worker
+from editor.worker.requests import Score, Standing
+from kinetix.errors import LevelError
 from tests.editor.core.helpers import texts
+from tests.editor.core.test_viewer import a_result, a_summary
 
 WALKER = Trial(player="walker", digest="ab", physics="balanced")
 TWENTY = Record(attempts=20, solved=10)
@@ -61,3 +66,31 @@ def test_a_broken_file_is_told_once_and_stays_as_a_backup(path, session):
     assert sum("results.json" in text for text in texts(session)) == 1
     session.results.add_episode(HUMAN, "a", won=True)
     assert path.with_name("results.json.bak").read_text() == '{"a": [['
+
+
+def test_results_of_all_agents_outlive_a_full_disk(path, session, monkeypatch):
+    plan = Plan(
+        levels=(SimpleNamespace(name="L"),),
+        hashes=("a",),
+        agents=tuple(map(a_summary, ("one", "two"))),
+        attempts=2,
+        seed=0,
+        physics="balanced",
+        deterministic=False,
+    )
+    scores = tuple(Score(agent=k, result=a_result("L", "won", "lost")) for k in (0, 1))
+    standing = Standing(done=4, total=4, scores=scores)
+    session.viewer.evaluation.ended.append((plan, standing))
+    with monkeypatch.context() as patched:
+        patched.setattr("editor.gallery.results.write_state", full)
+        for _ in range(3):
+            actions.update(session, 0.1)
+    assert sum("No space" in text for text in texts(session)) == 1 and not path.exists()
+    assert {trial.player for trial in session.results.of("a")} == {"one", "two"}
+    actions.run(session, "file.quit")
+    assert session.quitting
+    assert {trial.player for trial in Results(path).of("a")} == {"one", "two"}
+
+
+def full(path, *_, **__):
+    raise LevelError(f"{path}: cannot be saved: No space left on device")
