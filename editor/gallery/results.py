@@ -4,13 +4,14 @@ One JSON file in the user's state folder. The gallery filters and sorts by it; a
 edited has another hash and starts anew.
 """
 
+import contextlib
 import dataclasses
 import os
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Final
 
-from editor.base.state_file import read_state, state_fault, write_state
+from editor.base.state_file import alone, read_state, state_fault, write_state
 from kinetix.paths import state_dir
 
 HUMAN: Final = "you"
@@ -128,8 +129,9 @@ class Results:
         for trial, levels in found.items():
             for sha256, record in levels.items():
                 records.setdefault(sha256, {})[trial] = record
-        self._refresh()
-        self._put(records)
+        with self._alone():
+            self._refresh()
+            self._put(records)
 
     def flush(self) -> None:
         """Try again what could not be written.
@@ -147,10 +149,14 @@ class Results:
             LevelError: The file cannot be written.
         """
         trial = Trial(player=player)
-        self._refresh()
-        before = self.of(sha256).get(trial, Record(attempts=0, solved=0))
-        after = Record(attempts=before.attempts + 1, solved=before.solved + int(won))
-        self._put({sha256: {trial: after}})
+        with self._alone():
+            self._refresh()
+            before = self.of(sha256).get(trial, Record(attempts=0, solved=0))
+            after = Record(attempts=before.attempts + 1, solved=before.solved + int(won))
+            self._put({sha256: {trial: after}})
+
+    def _alone(self) -> contextlib.AbstractContextManager[None]:
+        return alone(self.path) if self._stored else contextlib.nullcontext()
 
     def _put(self, records: Mapping[str, dict[Trial, Record]]) -> None:
         """Take records in and write the file; those of a failed write go with the next one."""
