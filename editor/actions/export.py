@@ -5,7 +5,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any, Final
 
-from editor.actions import file
+from editor.actions import file, films
 from editor.base.prompts import Choice, FileQuestion, MenuQuestion, Question
 from editor.documents.commands.bodies import posed
 from editor.documents.document import Document
@@ -189,7 +189,7 @@ def film(session: Session, level: Level, trace: Trace, path: Path) -> None:
         overlay=bool(trace.player) and "numbers" in session.settings.agent_overlay,
         rival=_rival(session, trace),
     )
-    session.worker.submit(request, title=f"Writing {path.name}", done=told(session))
+    films.write(session, request, told(session))
 
 
 _DRAWS: Final = ("seed", "attempt", "deterministic", "digest")
@@ -241,7 +241,7 @@ def ask_clip(session: Session) -> None:
             title="Export the clip as .gif or .mp4",
             folder=_folder(session),
             name=f"{Path(session.document.title).stem}.gif",
-            suffixes=(".gif", ".mp4"),
+            suffixes=films.SUFFIXES,
             answer=answer,
         )
     )

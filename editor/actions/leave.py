@@ -155,11 +155,12 @@ def _finish(session: Session) -> None:
 
 
 def _going_on(session: Session) -> list[str]:
-    """Return what would be lost: files that are being written or wait for it, an evaluation."""
+    """Return what would be lost: files that are not written yet, an evaluation."""
     evaluation = session.viewer.evaluation
     names = ["the evaluation"] if evaluation.running else []
     exporting = session.gallery.exporting
     names += [] if exporting is None else [exporting.name]
+    names += [film.path.name for film in session.unwritten]
     for job in session.worker.jobs:
         path = export.file_of(job)
         if path is not None:

@@ -47,6 +47,7 @@ from editor.session.view import View
 from editor.worker.fetches import Fetches
 from editor.worker.jobs import Job, Worker, WorkerSimulator
 from editor.worker.recording import Snapshot
+from editor.worker.requests import ExportFilm
 from kinetix.errors import CommandError
 from kinetix.level.model import Level
 
@@ -141,6 +142,8 @@ class Session:
         """The last win by hand, until it is kept as a solution."""
         self.recording: Recording | None = None
         """The film that is being recorded, or None."""
+        self.unwritten: list[ExportFilm] = []
+        """Films that could not be written, until they are saved elsewhere or dropped."""
         self.screenshot: Path | None = None
         """File for the host to save a picture of the window in; it clears this when done."""
         self.probe: dict[str, Any] = {}
