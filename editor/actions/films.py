@@ -40,7 +40,7 @@ def _ask(session: Session, request: ExportFilm, reason: str, told: Callable[[Job
         if choice == "elsewhere":
             _ask_path(session, request, reason, told)
             return
-        session.unwritten.remove(request)
+        _settled(session, request)
         if choice == "again":
             write(session, request, told)
 
@@ -60,6 +60,10 @@ def _ask(session: Session, request: ExportFilm, reason: str, told: Callable[[Job
     )
 
 
+def _settled(session: Session, request: ExportFilm) -> None:
+    session.unwritten = [film for film in session.unwritten if film is not request]
+
+
 def _ask_path(
     session: Session, request: ExportFilm, reason: str, told: Callable[[Job], None]
 ) -> None:
@@ -69,8 +73,8 @@ def _ask_path(
         if path is None:
             _ask(session, request, reason, told)
             return
-        session.unwritten.remove(request)
-        write(session, dataclasses.replace(request, path=path), told)
+        _settled(session, request)
+        write(session, dataclasses.replace(request, path=path, numbered=False), told)
 
     session.ask(
         FileQuestion(

@@ -345,7 +345,8 @@ def test_a_film_that_was_not_written_can_be_tried_again_and_saved_elsewhere(
     failed.answer(failed.prompts[-1], None)  # no file was chosen: the film is still there
     failed.answer(failed.prompts[-1], "elsewhere")
     failed.answer(failed.prompts[-1], tmp_path / "other" / "mine.mp4")
-    assert films() == [dataclasses.replace(film, path=tmp_path / "other" / "mine.mp4")]
+    elsewhere = tmp_path / "other" / "mine.mp4"
+    assert films() == [dataclasses.replace(film, path=elsewhere, numbered=False)]
     assert not failed.unwritten and not failed.prompts
 
 
