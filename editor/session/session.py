@@ -28,6 +28,7 @@ from editor.documents.old_names import OldNames
 from editor.editing.snapping import CATCH_PIXELS, RELEASE_PIXELS, Rules, Targets, targets
 from editor.editing.tools import TOOLS
 from editor.editing.tools.base import NOTHING, Driver, Tool
+from editor.gallery.filing import Trashed
 from editor.gallery.kept_set import KeptSet
 from editor.gallery.library import Library
 from editor.gallery.results import Results
@@ -142,6 +143,8 @@ class Session:
         """The last win by hand, until it is kept as a solution."""
         self.recording: Recording | None = None
         """The film that is being recorded, or None."""
+        self.discarded: tuple[Trashed, ...] = ()
+        """Copies of unsaved work that were discarded last, in the trash."""
         self.unwritten: list[ExportFilm] = []
         """Films that could not be written, until they are saved elsewhere or dropped."""
         self.screenshot: Path | None = None
