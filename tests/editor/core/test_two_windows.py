@@ -5,7 +5,10 @@ import os
 import pytest
 
 from editor import actions
+from editor.documents.autosaves import Autosaves
 from editor.documents.commands.group import Move
+from editor.session import Session
+from kinetix.errors import LevelError
 from kinetix.level.codec import level_hash, load_level, save_level
 from tests.editor.core.helpers import a_level, a_session, texts
 
@@ -108,3 +111,26 @@ def test_a_file_that_went_just_now_is_asked_about_at_the_end(path):
     path.unlink()
     actions.run(session, "file.quit")
     assert not session.quitting and session.prompts
+
+
+def test_which_files_are_open_is_told_once_the_disk_has_room(path, monkeypatch):
+    now, told = [0.0], []
+    session = Session(autosaves=Autosaves(clock=lambda: now[0]))
+    assert actions.file.open_path(session, path)
+
+    def full(path, data):
+        raise LevelError(f"{path}: cannot be saved: No space left on device")
+
+    with monkeypatch.context() as patched:
+        patched.setattr("editor.documents.autosaves.write_atomically", full)
+        for _ in range(20):
+            now[0] += 1.0
+            actions.update(session, 0.1)
+            told += texts(session)
+            session.toasts.clear()
+    assert sum("No space" in text for text in told) == 1
+    now[0] += 6.0
+    actions.update(session, 0.1)
+    other = Session(autosaves=Autosaves())
+    assert other.autosaves.open_elsewhere(path)
+    session.autosaves.end()
