@@ -159,20 +159,25 @@ def _reserved(path: Path) -> Iterator[Path]:
         LevelError: Nothing can be written there.
     """
     stem, _, first = path.stem.rpartition("-")
-    for number in itertools.count(int(first)):
-        free = path.with_name(f"{stem}-{number:03}{path.suffix}")
-        try:
-            free.touch(exist_ok=False)
-        except FileExistsError:
-            continue
-        except OSError as error:
-            raise LevelError(f"{free}: cannot be saved: {error.strerror or error}") from error
-        break
+    numbers = itertools.count(int(first))
+    names = (path.with_name(f"{stem}-{number:03}{path.suffix}") for number in numbers)
+    free = next(filter(_made, names))
     try:
         yield free
     except BaseException:
         free.unlink(missing_ok=True)
         raise
+
+
+def _made(path: Path) -> bool:
+    """Make an empty file; whether there was none."""
+    try:
+        path.touch(exist_ok=False)
+    except FileExistsError:
+        return False
+    except OSError as error:
+        raise LevelError(f"{path}: cannot be saved: {error.strerror or error}") from error
+    return True
 
 
 def _about(request: ExportFilm) -> str:
