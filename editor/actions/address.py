@@ -1,5 +1,6 @@
 """Levels, episodes and comparisons from an address: fetched aside, then opened as files are."""
 
+import contextlib
 import tempfile
 from pathlib import Path
 
@@ -56,9 +57,15 @@ def _arrived(session: Session, address: str, told: bytes | KinetixError) -> None
     if isinstance(told, KinetixError):
         file.tell(session, "This cannot be opened", str(told))
         return
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / name_of(address)
-        path.write_bytes(told)
+    with contextlib.ExitStack() as stack:
+        try:
+            path = Path(stack.enter_context(tempfile.TemporaryDirectory())) / name_of(address)
+            path.write_bytes(told)
+        except OSError as error:
+            why = error.strerror or error
+            sentence = f"{address} was fetched, but cannot be kept in a temporary folder: {why}"
+            file.tell(session, "This cannot be opened", sentence)
+            return
         if told[:2] == b"PK":
             export.open_trace(session, path.rename(path.with_suffix(SUFFIX)))
         elif is_comparison(path):

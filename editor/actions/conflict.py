@@ -9,6 +9,7 @@ from editor.documents.document import Document
 from editor.gallery.filing import free_path
 from editor.session import Session
 from kinetix.errors import KinetixError
+from kinetix.files.atomic import free_backup
 from kinetix.level.codec import load_level
 from kinetix.level.model import Level
 
@@ -44,7 +45,7 @@ def ask(
 
     choices = [
         Choice(id="both", label="Keep Both", detail=f"Save mine as {free_path(path).name}."),
-        Choice(id="mine", label="Save Mine", detail=f"Theirs stays as {path.name}.bak."),
+        Choice(id="mine", label="Save Mine", detail=f"Theirs stays as {free_backup(path).name}."),
         Choice(id="theirs", label="Take Theirs", detail="As one edit: undo brings mine back."),
         Choice(id="cancel", label="Cancel"),
     ]

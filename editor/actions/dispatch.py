@@ -314,7 +314,7 @@ def advance(session: Session, seconds: float) -> None:
             session.keeper.save()
         with session.guard():
             session.kept_set.keep(session.gallery.tray)
-    if session.editing and _passed(before, session.time, OUTSIDE_SECONDS):
+    if _passed(before, session.time, OUTSIDE_SECONDS):
         with session.guard():
             outside.check(session)
 

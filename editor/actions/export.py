@@ -5,7 +5,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any, Final
 
-from editor.actions import file
+from editor.actions import file, films
 from editor.base.prompts import Choice, FileQuestion, MenuQuestion, Question
 from editor.documents.commands.bodies import posed
 from editor.documents.document import Document
@@ -174,8 +174,10 @@ def ask_trace(session: Session) -> None:
     )
 
 
-def film(session: Session, level: Level, trace: Trace, path: Path) -> None:
-    """Ask the worker for a film of a trace.
+def film(
+    session: Session, level: Level, trace: Trace, path: Path, *, numbered: bool = False
+) -> None:
+    """Ask the worker for a film of a trace; where it is numbered, the number may rise.
 
     Raises:
         LevelError: Nothing can be written there.
@@ -188,8 +190,9 @@ def film(session: Session, level: Level, trace: Trace, path: Path) -> None:
         palette=session.settings.palette,
         overlay=bool(trace.player) and "numbers" in session.settings.agent_overlay,
         rival=_rival(session, trace),
+        numbered=numbered,
     )
-    session.worker.submit(request, title=f"Writing {path.name}", done=told(session))
+    films.write(session, request, told(session))
 
 
 _DRAWS: Final = ("seed", "attempt", "deterministic", "digest")
@@ -241,7 +244,7 @@ def ask_clip(session: Session) -> None:
             title="Export the clip as .gif or .mp4",
             folder=_folder(session),
             name=f"{Path(session.document.title).stem}.gif",
-            suffixes=(".gif", ".mp4"),
+            suffixes=films.SUFFIXES,
             answer=answer,
         )
     )
@@ -350,7 +353,7 @@ def screenshot(session: Session) -> None:
 def free_name(session: Session, suffix: str) -> Path:
     """A file name in the level's folder that nothing has yet: `title-001.png`."""
     folder, stem, number = _folder(session), Path(session.document.title).stem, 1
-    awaited = set(writing(session).values())
+    awaited = {*writing(session).values(), *(film.path for film in session.unwritten)}
     while os.path.exists(path := folder / f"{stem}-{number:03}{suffix}") or path in awaited:
         number += 1
     return path

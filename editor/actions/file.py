@@ -6,7 +6,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Final
 
-from editor.actions import conflict, folders, moment
+from editor.actions import conflict, folders, moment, outside
 from editor.base.prompts import Choice, FileQuestion, Question
 from editor.documents import files
 from editor.documents.document import Document, Format
@@ -326,6 +326,7 @@ def if_settled(session: Session, tab: Tab, then: Callable[[], None]) -> None:
     if tab.moment is not None and tab.moment.changed:
         ask_moment(session, tab, lambda: if_settled(session, tab, then))
         return
+    outside.note_lost(session, document)
     if not document.dirty:
         if document.origin:  # restored, and all of it undone or saved: it is not offered again
             session.autosaves.forget(document)

@@ -4,7 +4,7 @@ import contextlib
 from collections.abc import Iterator
 from typing import Final
 
-from editor.actions import export, recording
+from editor.actions import export, outside, recording
 from editor.actions.file import ask_moment, if_settled, save
 from editor.actions.measure import keep_results
 from editor.base.prompts import Choice, Question
@@ -41,6 +41,7 @@ def _settle(session: Session) -> None:
     if changed is not None:
         ask_moment(session, changed, lambda: quit_app(session))
         return
+    outside.note_lost(session, *session.tabs.documents)
     unsaved = [tab for tab in session.tabs if tab.document.dirty]
     if len(unsaved) < 2:
         if_settled(session, unsaved[0] if unsaved else session.tab, lambda: _quit(session))
@@ -154,11 +155,12 @@ def _finish(session: Session) -> None:
 
 
 def _going_on(session: Session) -> list[str]:
-    """Return what would be lost: files that are being written or wait for it, an evaluation."""
+    """Return what would be lost: files that are not written yet, an evaluation."""
     evaluation = session.viewer.evaluation
     names = ["the evaluation"] if evaluation.running else []
     exporting = session.gallery.exporting
     names += [] if exporting is None else [exporting.name]
+    names += [film.path.name for film in session.unwritten]
     for job in session.worker.jobs:
         path = export.file_of(job)
         if path is not None:
@@ -181,6 +183,8 @@ def _leave(session: Session) -> None:
     session.viewer.evaluation.cancel()
     with session.guard():
         keep_results(session)
+    with session.guard():
+        session.results.flush()
     with session.guard():
         session.kept_set.keep(session.gallery.tray, again=True)
     session.training.stop()  # It saves; the command line can go on with it.

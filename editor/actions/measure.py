@@ -333,15 +333,24 @@ def keep_results(session: Session) -> None:
 
     Of one that was cancelled or failed, the levels that were played to the end count.
     """
+    fault = session.results.take_fault()
+    if fault:
+        session.toast(
+            f"{fault}. Its results are not shown; with the next one the file is written anew, and "
+            "then the old one is a .bak file beside it",
+            "warning",
+        )
     ended = session.viewer.evaluation.ended
     while ended:
         plan, standing = ended.pop(0)
-        for number in range(len(plan.agents)):
-            _keep(session, plan, standing, number)
+        solved = (_solved(plan, standing, number) for number in range(len(plan.agents)))
+        found = {trial: records for trial, records in solved if records}
+        if found:
+            session.results.record_all(found)
 
 
-def _keep(session: Session, plan: Plan, standing: Standing, number: int) -> None:
-    """Note what one agent of an evaluation solved."""
+def _solved(plan: Plan, standing: Standing, number: int) -> tuple[Trial, dict[str, Record]]:
+    """Return what one agent of an evaluation solved."""
     agent = plan.agents[number]
     results = {
         score.result.level: score.result for score in standing.scores if score.agent == number
@@ -359,5 +368,4 @@ def _keep(session: Session, plan: Plan, standing: Standing, number: int) -> None
         seed=plan.seed,
         card=agent.card_digest,
     )
-    if records:
-        session.results.record(trial, records)
+    return trial, records

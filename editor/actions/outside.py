@@ -1,4 +1,4 @@
-"""Changes of the file in front by another program."""
+"""Changes of open files by another program."""
 
 import os
 from pathlib import Path
@@ -16,19 +16,42 @@ _KINDS = (("bodies", "shapes"), ("joints", "joints"), ("thrusters", "thrusters")
 
 
 def check(session: Session) -> None:
-    """Look at the file; the banner over the level says when it is another one."""
+    """Look at all files; the banner over the level in front says when that is another one."""
+    for document in session.tabs.documents:
+        _note_removed(session, document)
+    if session.editing:
+        _check_front(session)
+
+
+def note_lost(session: Session, *documents: Document) -> None:
+    """Make what is in no file unsaved: its file was replaced or removed since it was saved."""
+    for document in documents:
+        _note_removed(session, document)
+        if files.nowhere(document):
+            document.mark_unsaved()
+            session.toast(
+                f"{document.title} was changed outside; what is here is in no file.", "warning"
+            )
+
+
+def _note_removed(session: Session, document: Document) -> None:
+    """Say so when a document's file is gone."""
+    path = document.path
+    if path is None or document.stamp is None or os.path.exists(path):
+        return
+    document.stamp, document.outside = None, ""
+    document.mark_unsaved()
+    why = "was removed" if _is_gone(path) else "cannot be reached any more"
+    session.toast(f"{path.name} {why}; the level is only here now.", "warning")
+
+
+def _check_front(session: Session) -> None:
     document = session.document
     if not files.changed_outside(document):
         document.outside = ""
         return
-    assert document.path is not None
     path = document.path
-    if not os.path.exists(path):
-        document.stamp, document.outside = None, ""
-        document.mark_unsaved()
-        why = "was removed" if _is_gone(path) else "cannot be reached any more"
-        session.toast(f"{path.name} {why}; the level is only here now.", "warning")
-        return
+    assert path is not None
     if document.stamp is None and _holds_the_same(session):
         document.stamp, document.outside = files.read_stamp(path), ""
         document.mark_saved()
@@ -74,6 +97,7 @@ def take(session: Session, document: Document) -> None:
     fresh = files.open_document(document.path, session.old_names)
     document.commit(ReplaceLevel(level=fresh.level, label="Reload"), time=session.time)
     document.source, document.stamp, document.outside = fresh.source, fresh.stamp, ""
+    document.replaces_other = False
     document.mark_saved()
 
 
@@ -82,6 +106,7 @@ def keep(session: Session) -> None:
     document = session.document
     assert document.path is not None
     document.stamp, document.outside = files.read_stamp(document.path), ""
+    document.replaces_other = True
     document.mark_unsaved()
 
 

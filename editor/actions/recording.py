@@ -43,7 +43,7 @@ def end(session: Session) -> None:
     if not films:
         raise CommandError("Nothing was played while recording.")
     for level, trace in films:
-        export.film(session, level, trace, export.free_name(session, ".gif"))
+        export.film(session, level, trace, export.free_name(session, ".gif"), numbered=True)
 
 
 def ask_to_drop(

@@ -1,13 +1,18 @@
 """Recovery of unsaved work of earlier runs: offered at the start, restored as one edit."""
 
+import os
+from collections.abc import Sequence
+
 from editor.base.prompts import Choice, Question
 from editor.documents import files, recovery
 from editor.documents.commands.level import ReplaceLevel
 from editor.documents.document import Document, Stamp
 from editor.documents.old_names import named
 from editor.documents.recovery import Recovery
+from editor.gallery import filing
 from editor.session import Session
 from kinetix.errors import LevelError
+from kinetix.wording import plural
 
 SHOWN = 8
 """Of more copies the question names only so many."""
@@ -27,8 +32,7 @@ def offer(session: Session) -> None:
                 with session.guard():
                     restore(session, each)
         elif choice == "discard":
-            for each in found.recoveries:
-                recovery.discard(each)
+            _discard(session, found.recoveries)
 
     count = len(found.recoveries)
     lines = [each.summary() for each in found.recoveries[:SHOWN]]
@@ -48,6 +52,36 @@ def offer(session: Session) -> None:
             answer=answer,
         )
     )
+
+
+def _discard(session: Session, recoveries: Sequence[Recovery]) -> None:
+    """Move copies to the trash, each with those that it began with."""
+    thrown = []
+    for each in recoveries:
+        # The oldest goes first: see `autosaves.discard_all`.
+        for file in filter(os.path.lexists, reversed((each.file, *each.origin))):
+            with session.guard():
+                thrown.append(filing.throw_away(file))
+        recovery.tidy(each)
+    if thrown:
+        session.discarded = tuple(thrown)
+        count = plural(len(recoveries), "copy", "copies")
+        session.toast(f"Moved {count} of unsaved work to the trash", action="file.undiscard")
+
+
+def can_bring_back(session: Session) -> bool:
+    """Return whether copies were discarded that can come back."""
+    return bool(session.discarded)
+
+
+def bring_back(session: Session) -> None:
+    """Take the discarded copies out of the trash, and ask about them again."""
+    thrown, session.discarded = session.discarded, ()
+    for one in reversed(thrown):
+        with session.guard():
+            one.origin.parent.mkdir(parents=True, exist_ok=True)
+            filing.bring_back(one)
+    offer(session)
 
 
 def restore(session: Session, found: Recovery) -> None:

@@ -7,6 +7,7 @@ from editor.actions.comparison import about_comparison
 from editor.actions.unsaved import listed
 from editor.base.prompts import FileQuestion
 from editor.session import Session
+from kinetix.agents.stored_comparison import check_replaced
 from kinetix.errors import CommandError
 from kinetix.files.atomic import write_atomically
 from kinetix.paths import working_dir
@@ -40,7 +41,7 @@ def save_table(session: Session, path: Path) -> None:
 
     Raises:
         CommandError: It has another ending, or is a comparison and no agent has played all levels.
-        LevelError: The file cannot be written.
+        KinetixError: The file cannot be written, or is a `.json` that is no comparison.
     """
     evaluation = session.viewer.evaluation
     texts: dict[str, Callable[[], str]] = {
@@ -55,6 +56,7 @@ def save_table(session: Session, path: Path) -> None:
     missing: list[str] = []
     if suffix in (".html", ".json"):
         missing = _unfinished(session)
+        check_replaced(path)
     write_atomically(path, texts[suffix]().encode())
     if missing:
         session.toast(f"Wrote {path} without agents that lack levels: {listed(missing)}", "warning")

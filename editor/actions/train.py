@@ -15,6 +15,8 @@ from editor.agents.local_training import BUSY, LOG
 from editor.session import Session
 from editor.worker.requests import BUILT_IN
 from kinetix.errors import CommandError
+from kinetix.files.lock import locked_folder
+from kinetix.files.regular import FileError
 from kinetix.level.codec import save_level
 from kinetix.level.controls import channels_in_use
 from kinetix.paths import user_agents_dir
@@ -68,8 +70,18 @@ def _free_folder(name: str) -> Path:
 def _taken(run: Path) -> bool:
     """Return whether a name is in use; not by what a closed app has left before it learnt."""
     if _nothing_learnt(run):
-        return time.time() - (run / LOG).stat().st_mtime < _ABANDONED
+        young = time.time() - (run / LOG).stat().st_mtime < _ABANDONED
+        return young or _held(run)
     return os.path.exists(run) or os.path.exists(run.with_suffix(".json"))
+
+
+def _held(run: Path) -> bool:
+    """Return whether a training writes into a folder now, however long it has been compiling."""
+    try:
+        with locked_folder(run, "another training"):
+            return False
+    except FileError:
+        return True
 
 
 _BEFORE_UPDATES: Final = {LOG, "config.toml", "metrics.csv", "metrics.jsonl", "tensorboard"}

@@ -10,7 +10,7 @@ from typing import Annotated, Any, Final, Literal, Self, get_type_hints
 import msgspec
 from msgspec import Meta
 
-from editor.base.state_file import read_state, state_fault, write_state
+from editor.base.state_file import alone, read_state, state_fault, write_state
 from kinetix.engine.names import PHYSICS
 from kinetix.files.names import is_text
 from kinetix.paths import config_dir
@@ -180,12 +180,13 @@ class SettingsKeeper:
             return
         self._tried = now
         path = self._path or settings_path()
-        # This window knows what the file held before it was broken.
-        there = read_state(path, broken=now)
-        theirs = _valid(there)
-        for name in changed.keys() & theirs.keys():
-            changed[name] = _merged(name, changed[name], self._written[name], theirs[name])
-        write_state(path, there | changed)
+        with alone(path):
+            # This window knows what the file held before it was broken.
+            there = read_state(path, broken=now)
+            theirs = _valid(there)
+            for name in changed.keys() & theirs.keys():
+                changed[name] = _merged(name, changed[name], self._written[name], theirs[name])
+            write_state(path, there | changed)
         self._written = now
 
 

@@ -1,15 +1,26 @@
 """One JSON object in the user's state folder: what the editor keeps from one run to the next."""
 
+import contextlib
 import json
 import os
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
 from kinetix.errors import LevelError
 from kinetix.files.atomic import write_atomically, write_with_backup
 from kinetix.files.json_text import parse
+from kinetix.files.lock import held_briefly
 from kinetix.files.regular import FileError, read_text
+
+
+@contextlib.contextmanager
+def alone(path: Path) -> Iterator[None]:
+    """Keep other windows from a file while it is read, changed and written."""
+    with contextlib.suppress(OSError):
+        path.parent.mkdir(parents=True, exist_ok=True)
+    with held_briefly(path.parent):
+        yield
 
 
 def read_state(path: Path, *, broken: Mapping[str, Any] | None = None) -> dict[str, Any]:

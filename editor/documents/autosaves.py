@@ -5,6 +5,7 @@ ids repeat. A lock in it tells whether the run still goes on. What a run that ha
 is offered to the next one.
 """
 
+import contextlib
 import datetime
 import json
 import os
@@ -81,6 +82,8 @@ class Autosaves:
         self._lock: RunLock | None = None
         self._watched: dict[int, _Watched] = {}
         self._open: tuple[str, ...] = ()
+        self._refused: tuple[tuple[str, ...], float] = (), 0.0
+        """Open files that could not be told, and when they are tried again."""
         self._wake = threading.Condition()
         self._thread: threading.Thread | None = None
         self._busy = self._ended = False
@@ -225,14 +228,18 @@ class Autosaves:
         """Tell other runs which files this one has open.
 
         Raises:
-            LevelError: It cannot be written.
+            LevelError: It cannot be written; it is tried again later without a word.
         """
         names = tuple(sorted(str(file.resolve()) for file in files))
-        if not self._stored or names == self._open:
+        refused, until = self._refused
+        again = names == refused
+        if not self._stored or names == self._open or (again and self._clock() < until):
             return
-        self._open = names
-        self._begin()
-        write_atomically(self.folder / _OPEN, json.dumps(names).encode())
+        self._refused = names, self._clock() + LONGEST
+        with contextlib.suppress(LevelError) if again else contextlib.nullcontext():
+            self._begin()
+            write_atomically(self.folder / _OPEN, json.dumps(names).encode())
+            self._open, self._refused = names, ((), 0.0)
 
     def open_elsewhere(self, file: Path) -> bool:
         """Return whether a run that goes on, other than this one, has a file open."""

@@ -5,10 +5,10 @@ from pathlib import Path
 from typing import Final
 
 from editor.documents.commands.fields import SetLevelField
-from editor.documents.document import Document, Format, Stamp
+from editor.documents.document import Document, Format, Stamp, same_content
 from editor.documents.old_names import OldNames, named
-from kinetix.errors import LevelError
-from kinetix.files.atomic import write_with_backup
+from kinetix.errors import KinetixError, LevelError
+from kinetix.files.atomic import free_backup, write_with_backup
 from kinetix.files.names import is_text
 from kinetix.files.regular import FileError, read_bytes
 from kinetix.level.codec import dumps, load_document, resolve_path
@@ -54,6 +54,8 @@ def lost_on_save(level: Level, path: Path, format: Format) -> tuple[str, ...]:
 def save_document(document: Document, path: Path, format: Format) -> None:
     """Write a document; the file's previous content stays beside it as `NAME.json.bak`.
 
+    What another program has put there gets a name that no later save uses: `NAME.json.bak2`.
+
     A level that does not fit the size it names could not be read again: its size becomes automatic.
 
     Args:
@@ -71,7 +73,8 @@ def save_document(document: Document, path: Path, format: Format) -> None:
     if fitting is not level:
         fitting = fitting.replace(solution=None)  # as any change of what is played
     data = dumps(fitting, format=format, source=document.source).encode()
-    write_with_backup(path, data)
+    foreign = document.replaces_other or conflicts(document, path)
+    write_with_backup(path, data, backup=free_backup(path) if foreign else None)
     if fitting is not level:  # after the write, which may fail and then changes nothing
         document.commit(SetLevelField(field="size", value=None))
     document.mark_saved(path, format)
@@ -79,6 +82,7 @@ def save_document(document: Document, path: Path, format: Format) -> None:
     written = read_stamp(path)
     modified = 0 if written is None or written.content != data else written.modified_ns
     document.stamp, document.outside = Stamp(modified_ns=modified, content=data), ""
+    document.replaces_other = False
 
 
 def conflicts(document: Document, path: Path) -> bool:
@@ -114,6 +118,17 @@ def changed_outside(document: Document) -> bool:
         document.stamp = now
         return False
     return True
+
+
+def nowhere(document: Document) -> bool:
+    """Return whether a document that seems saved is in no file: that was replaced or removed."""
+    if document.dirty or not changed_outside(document):
+        return False
+    assert document.path is not None
+    try:
+        return not same_content(load_document(document.path).level, document.level)
+    except KinetixError:
+        return True
 
 
 def why_not(path: str | Path, error: LevelError) -> str:

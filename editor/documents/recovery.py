@@ -99,6 +99,13 @@ def discard(recovery: Recovery) -> None:
     autosaves.discard_all((recovery.file, *recovery.origin))
 
 
+def tidy(recovery: Recovery) -> None:
+    """Remove the folders of runs that a copy, and those that it began with, were the last of."""
+    for file in (recovery.file, *recovery.origin):
+        if not os.path.lexists(file):
+            autosaves.discard(file)
+
+
 def _read(file: Path) -> Recovery:
     """Read a copy.
 

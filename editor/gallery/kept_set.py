@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from editor.base.settings import merged_keys
-from editor.base.state_file import read_state, write_state
+from editor.base.state_file import alone, read_state, write_state
 from kinetix.files.names import is_text
 from kinetix.paths import state_dir
 
@@ -51,8 +51,9 @@ class KeptSet:
         if not self._stored or levels == self._written or (levels == self._tried and not again):
             return
         now = self._tried = dict(levels)
-        both = now | merged_keys(now, self._written, self._there())
-        write_state(self.path, {"levels": {p: w for p, w in both.items() if is_text(p)}})
+        with alone(self.path):
+            both = now | merged_keys(now, self._written, self._there())
+            write_state(self.path, {"levels": {p: w for p, w in both.items() if is_text(p)}})
         self._written = now
 
     def _there(self) -> dict[str, float]:

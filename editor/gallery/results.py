@@ -4,13 +4,14 @@ One JSON file in the user's state folder. The gallery filters and sorts by it; a
 edited has another hash and starts anew.
 """
 
+import contextlib
 import dataclasses
 import os
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Final
 
-from editor.base.state_file import read_state, write_state
+from editor.base.state_file import alone, read_state, state_fault, write_state
 from kinetix.paths import state_dir
 
 HUMAN: Final = "you"
@@ -76,12 +77,15 @@ class Results:
         self._path = path
         self._stored = stored
         self._levels: dict[str, dict[Trial, Record]] | None = None if stored else {}
+        self._foreign: dict[str, Any] = {}
+        """What the file has besides, of a newer version perhaps: written back as it is."""
         self._unwritten: dict[str, dict[Trial, Record]] = {}
         """Records that the file does not have yet; the next write adds them."""
         self._seen: tuple[int, int, int] | None = None
         """The file as it was read or written last."""
         self.revision = 0
         """Rises with every change, so that lists know when to look again."""
+        self._fault = self._told_fault = ""
 
     @property
     def path(self) -> Path:
@@ -97,6 +101,12 @@ class Results:
         """The records of a level, by trial."""
         return self._read().get(sha256, {})
 
+    def take_fault(self) -> str:
+        """Return once why the file could not be read; empty where it could."""
+        new = "" if self._fault == self._told_fault else self._fault
+        self._told_fault = self._fault
+        return new
+
     def record(self, trial: Trial, levels: Mapping[str, Record]) -> None:
         """Keep how a player did; an evaluation replaces what the same trial gave before.
 
@@ -107,8 +117,30 @@ class Results:
         Raises:
             LevelError: The file cannot be written.
         """
-        self._refresh()
-        self._put({sha256: {trial: record} for sha256, record in levels.items()})
+        self.record_all({trial: levels})
+
+    def record_all(self, found: Mapping[Trial, Mapping[str, Record]]) -> None:
+        """Keep how several players did, as `record` does of one; the file is written once.
+
+        Raises:
+            LevelError: The file cannot be written; the next write, or `flush`, adds them all.
+        """
+        records: dict[str, dict[Trial, Record]] = {}
+        for trial, levels in found.items():
+            for sha256, record in levels.items():
+                records.setdefault(sha256, {})[trial] = record
+        with self._alone():
+            self._refresh()
+            self._put(records)
+
+    def flush(self) -> None:
+        """Try again what could not be written.
+
+        Raises:
+            LevelError: It still cannot.
+        """
+        if self._unwritten:
+            self.record_all({})
 
     def add_episode(self, player: str, sha256: str, *, won: bool) -> None:
         """Count one more episode of a player (the user's own play).
@@ -117,10 +149,14 @@ class Results:
             LevelError: The file cannot be written.
         """
         trial = Trial(player=player)
-        self._refresh()
-        before = self.of(sha256).get(trial, Record(attempts=0, solved=0))
-        after = Record(attempts=before.attempts + 1, solved=before.solved + int(won))
-        self._put({sha256: {trial: after}})
+        with self._alone():
+            self._refresh()
+            before = self.of(sha256).get(trial, Record(attempts=0, solved=0))
+            after = Record(attempts=before.attempts + 1, solved=before.solved + int(won))
+            self._put({sha256: {trial: after}})
+
+    def _alone(self) -> contextlib.AbstractContextManager[None]:
+        return alone(self.path) if self._stored else contextlib.nullcontext()
 
     def _put(self, records: Mapping[str, dict[Trial, Record]]) -> None:
         """Take records in and write the file; those of a failed write go with the next one."""
@@ -130,7 +166,8 @@ class Results:
         self.revision += 1
         if self._stored:
             sound = self._seen is not None and self._seen == _state_of(self.path)
-            written = write_state(self.path, _tree(self._read()), sound=sound, indent=None)
+            tree = _tree(self._read(), self._foreign)
+            written = write_state(self.path, tree, sound=sound, indent=None)
             # Not as it is by now: another window may have replaced it.
             self._seen = None if written is None else _told(written)
         self._unwritten.clear()
@@ -148,8 +185,10 @@ class Results:
         there = read_state(self.path)
         self._seen = state if there else None
         if there or not os.path.lexists(self.path):
-            self._levels = _parse(there)
+            self._take(there)
             self._merge(self._unwritten)
+        else:
+            self._fault = state_fault(self.path)
 
     def _merge(self, records: Mapping[str, dict[Trial, Record]]) -> None:
         levels = self._read()
@@ -160,12 +199,23 @@ class Results:
             # At the end: the file is in the order of the last change.
             levels[sha256] = kept | trials
         while len(levels) > MAX_LEVELS:
-            del levels[next(iter(levels))]
+            oldest = next(iter(levels))
+            del levels[oldest]
+            self._foreign.pop(oldest, None)
 
     def _read(self) -> dict[str, dict[Trial, Record]]:
         if self._levels is None:
-            self._levels = _parse(read_state(self.path))
+            there = read_state(self.path)
+            self._take(there)
+            self._fault = "" if there else state_fault(self.path)
+        assert self._levels is not None
         return self._levels
+
+    def _take(self, tree: Mapping[str, Any]) -> None:
+        """Take over the content of the file."""
+        read = {sha256: _parse(told) for sha256, told in tree.items()}
+        self._levels = {sha256: trials for sha256, (trials, _) in read.items()}
+        self._foreign = {sha256: others for sha256, (_, others) in read.items() if others}
 
 
 def _state_of(path: Path) -> tuple[int, int, int] | None:
@@ -180,29 +230,40 @@ def _told(found: os.stat_result) -> tuple[int, int, int]:
     return found.st_ino, found.st_size, found.st_mtime_ns
 
 
-def _tree(levels: Mapping[str, dict[Trial, Record]]) -> dict[str, list[list[Any]]]:
+def _tree(levels: Mapping[str, dict[Trial, Record]], foreign: Mapping[str, Any]) -> dict[str, Any]:
     """Return the content of the file."""
     return {
-        sha256: [[*dataclasses.astuple(t), r.attempts, r.solved] for t, r in records.items()]
-        for sha256, records in levels.items()
+        sha256: _told_of(records, foreign.get(sha256, [])) for sha256, records in levels.items()
     }
 
 
-def _parse(tree: Mapping[str, Any]) -> dict[str, dict[Trial, Record]]:
-    """Return the results in the content of the file; broken entries are left out."""
-    levels: dict[str, dict[Trial, Record]] = {}
-    for sha256, told in tree.items():
-        rows = _rows(told)
-        if rows is not None:
-            levels[sha256] = dict(filter(None, map(_row, rows)))
-    return levels
+def _told_of(records: Mapping[Trial, Record], others: Any) -> Any:
+    """Return what the file shall have of a level; what was not understood is as it was."""
+    if not isinstance(others, list):
+        if not records:
+            return others
+        others = [others]
+    return [*([*dataclasses.astuple(t), r.attempts, r.solved] for t, r in records.items()), *others]
 
 
-def _rows(told: Any) -> list[Any] | None:
-    if isinstance(told, dict):  # the first version: a pair by the player's name
-        pairs = [(name, pair) for name, pair in told.items() if isinstance(pair, list)]
-        return [[name, "", "", False, 0, *pair] for name, pair in pairs]
-    return told if isinstance(told, list) else None
+def _parse(told: Any) -> tuple[dict[Trial, Record], Any]:
+    """Return the results that the file has of a level, and what else it says about it."""
+    known: dict[Trial, Record] = {}
+    others: list[Any] = []
+    for entry in told if isinstance(told, list) else [told]:
+        rows = _first_version(entry) if isinstance(entry, dict) else [entry]
+        read = list(filter(None, map(_row, rows)))
+        known = dict(read) | known
+        others += [] if len(read) == len(rows) else [entry]
+    return known, told if others and not known else others
+
+
+def _first_version(told: Mapping[str, Any]) -> list[Any]:
+    """Return the rows of what the first version wrote: a pair by the player's name."""
+    return [
+        [name, "", "", False, 0, *pair] if isinstance(pair, list) else pair
+        for name, pair in told.items()
+    ]
 
 
 def _row(row: Any) -> tuple[Trial, Record] | None:

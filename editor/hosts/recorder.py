@@ -1,6 +1,7 @@
 """Writes what a person does in the window as a script that `--replay` plays again."""
 
 import json
+import os
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, Final, TypeAlias
@@ -9,6 +10,8 @@ from editor.base import events
 from editor.session import Session
 from editor.toolkit.keys import IMGUI, MODIFIERS
 from kinetix.errors import KinetixError
+from kinetix.files.atomic import write_with_backup
+from kinetix.files.regular import read_text
 
 _FRAME: Final = 1 / 60
 _LONGEST: Final = 600
@@ -39,7 +42,7 @@ class Recorder:
             path: The script's file.
 
         Raises:
-            KinetixError: It cannot be written.
+            KinetixError: It cannot be written, or holds something that is no script.
         """
         self._session = session
         self._path = path
@@ -51,10 +54,7 @@ class Recorder:
         """Size and scale of the last line about the window; None before the first."""
         self._seen: Look = ((0, 0), 0.0)
         self._ended = False
-        try:
-            path.write_bytes(b"")
-        except OSError as error:
-            raise KinetixError(f"{path}: cannot be written: {error.strerror or error}") from error
+        _make_way(path)
         for tab in session.tabs:
             if tab.document.path is not None:
                 self._write({"do": "open", "file": str(tab.document.path)})
@@ -130,6 +130,27 @@ class Recorder:
             self._ended = True
             reason = error.strerror or error
             self._session.toast(f"{self._path}: the recording ends: {reason}", "error")
+
+
+def _make_way(path: Path) -> None:
+    """Begin a file; an earlier script stays as a backup.
+
+    Raises:
+        KinetixError: Something else is there, or it cannot be written.
+    """
+    if os.path.isfile(path):
+        lines = filter(str.strip, read_text(path, "script").splitlines())
+        if not _is_event(next(lines, '{"do": ""}')):
+            raise KinetixError(f"{path}: is no recorded script, and stays; name a new .jsonl file")
+    write_with_backup(path, b"", keep_all=True)
+
+
+def _is_event(line: str) -> bool:
+    try:
+        event = json.loads(line)
+    except ValueError:
+        return False
+    return isinstance(event, dict) and "do" in event
 
 
 def _moves(event: events.InputEvent) -> bool:

@@ -28,6 +28,7 @@ from editor.documents.old_names import OldNames
 from editor.editing.snapping import CATCH_PIXELS, RELEASE_PIXELS, Rules, Targets, targets
 from editor.editing.tools import TOOLS
 from editor.editing.tools.base import NOTHING, Driver, Tool
+from editor.gallery.filing import Trashed
 from editor.gallery.kept_set import KeptSet
 from editor.gallery.library import Library
 from editor.gallery.results import Results
@@ -47,6 +48,7 @@ from editor.session.view import View
 from editor.worker.fetches import Fetches
 from editor.worker.jobs import Job, Worker, WorkerSimulator
 from editor.worker.recording import Snapshot
+from editor.worker.requests import ExportFilm
 from kinetix.errors import CommandError
 from kinetix.level.model import Level
 
@@ -141,6 +143,10 @@ class Session:
         """The last win by hand, until it is kept as a solution."""
         self.recording: Recording | None = None
         """The film that is being recorded, or None."""
+        self.discarded: tuple[Trashed, ...] = ()
+        """Copies of unsaved work that were discarded last, in the trash."""
+        self.unwritten: list[ExportFilm] = []
+        """Films that could not be written, until they are saved elsewhere or dropped."""
         self.screenshot: Path | None = None
         """File for the host to save a picture of the window in; it clears this when done."""
         self.probe: dict[str, Any] = {}

@@ -1,6 +1,7 @@
 """A comparison that was stored, read again. Free of JAX."""
 
 import dataclasses
+import os
 from pathlib import Path
 from typing import Any
 
@@ -59,6 +60,17 @@ def is_comparison(path: Path) -> bool:
             return f'"{FORMAT}"'.encode() in file.read(200)
     except FileError:
         return False
+
+
+def check_replaced(path: Path) -> None:
+    """Refuse to put a comparison in the place of a `.json` that is none, such as a level.
+
+    Raises:
+        KinetixError: It is one.
+    """
+    there = path.suffix.lower() == ".json" and os.path.isfile(path) and os.path.getsize(path)
+    if there and not is_comparison(path):
+        raise KinetixError(f"{path}: is no comparison, and stays; choose another name")
 
 
 def read_comparison(path: Path) -> StoredComparison:

@@ -61,6 +61,7 @@ def run(command: Compare) -> int:
     # Imported here, so that a wrong command line fails before JAX loads.
     from kinetix.agents.comparison_files import SUFFIXES, check_size, misfit_of, text_of
     from kinetix.agents.evaluate import Settings
+    from kinetix.agents.stored_comparison import check_replaced
     from kinetix.files.atomic import check_target, write_atomically
 
     if not command.agents:
@@ -71,6 +72,7 @@ def run(command: Compare) -> int:
         raise KinetixError(f"{command.out}: expected a name that ends in {', '.join(SUFFIXES)}")
     if command.out is not None:
         check_target(command.out)
+        check_replaced(command.out)
     found = levels_to_measure(command.levels)
     settings = Settings(
         attempts=command.attempts,

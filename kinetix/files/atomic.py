@@ -70,13 +70,16 @@ def check_target(path: Path) -> None:
             raise OSError(errno.EACCES, os.strerror(errno.EACCES))
 
 
-def write_with_backup(path: Path, data: bytes, *, keep_all: bool = False) -> bool:
+def write_with_backup(
+    path: Path, data: bytes, *, keep_all: bool = False, backup: Path | None = None
+) -> bool:
     """Write a whole file; another content that it had stays beside it as `NAME.bak`.
 
     Args:
         path: The file; its folder must exist.
         data: Its new content.
         keep_all: Whether an older backup stays too, as `NAME.bak2`, `NAME.bak3` and so on.
+        backup: Another file that takes the old content, instead of `NAME.bak`.
 
     Returns:
         Whether it had another content.
@@ -88,7 +91,8 @@ def write_with_backup(path: Path, data: bytes, *, keep_all: bool = False) -> boo
         target, before = _regular(path)
         previous = data if before is None else target.read_bytes()
     if previous != data:
-        backup = backup_of(path)
+        keep_all = keep_all and backup is None
+        backup = backup or backup_of(path)
         told = f"{path}: cannot be saved: its backup {backup.name}"
         with replacing(backup, told=told) as temporary:
             _write_new(temporary, previous)
@@ -105,6 +109,12 @@ def backup_of(path: Path) -> Path:
     return _beside(path, _BACKUP)
 
 
+def free_backup(path: Path) -> Path:
+    """Return the first of `NAME.bak2`, `NAME.bak3` and so on that is free."""
+    names = (_beside(path, f"{_BACKUP}{number}") for number in itertools.count(2))
+    return next(name for name in names if not os.path.lexists(name))
+
+
 def _beside(path: Path, ending: str) -> Path:
     kept = path.name
     while len(os.fsencode(kept)) + len(ending) > _LONGEST_NAME:
@@ -117,10 +127,8 @@ def _make_room(path: Path, data: bytes) -> None:
     backup = backup_of(path)
     if not os.path.isfile(backup) or backup.read_bytes() == data:
         return
-    names = (_beside(path, f"{_BACKUP}{number}") for number in itertools.count(2))
-    free = next(name for name in names if not os.path.lexists(name))
     # What a link leads to is moved: the new backup takes its place, and the link stays.
-    shutil.move(os.path.realpath(backup), free)
+    shutil.move(os.path.realpath(backup), free_backup(path))
 
 
 @contextlib.contextmanager

@@ -3,8 +3,10 @@
 import contextlib
 import errno
 import os
+import time
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Final
 
 from kinetix.files.regular import FileError
 
@@ -14,6 +16,44 @@ except ImportError:  # no POSIX system; folders are not locked there
     fcntl = None
 
 _TAKEN = (errno.EWOULDBLOCK, errno.EAGAIN, errno.EACCES)
+_LONGEST_WAIT: Final = 1.0
+"""For who holds a lock briefly [s]."""
+_LOOK_EVERY: Final = 0.005
+"""[s]"""
+
+
+@contextlib.contextmanager
+def held_briefly(folder: Path) -> Iterator[None]:
+    """Hold a folder's lock for as long as a small file in it takes to be read and written.
+
+    Whoever else wants it waits: a second at most, and not at all where nothing can be locked.
+    """
+    descriptor = None
+    with contextlib.suppress(OSError):
+        descriptor = os.open(folder, os.O_RDONLY)
+    if descriptor is None:
+        yield
+        return
+    try:
+        _wait_for(descriptor)
+        yield
+    finally:
+        os.close(descriptor)
+
+
+def _wait_for(descriptor: int) -> None:
+    if fcntl is None:
+        return
+    end = time.monotonic() + _LONGEST_WAIT
+    while time.monotonic() < end:
+        try:
+            fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except OSError as error:
+            if error.errno not in _TAKEN:
+                return
+            time.sleep(_LOOK_EVERY)
+        else:
+            return
 
 
 @contextlib.contextmanager

@@ -1,7 +1,9 @@
 """Films of pictures: GIF and MP4 files, written while the pictures come."""
 
 import contextlib
+import errno
 import itertools
+import os
 import subprocess
 import tempfile
 from collections.abc import Iterable, Iterator
@@ -203,5 +205,7 @@ def _write_mp4(path: Path, frames: Frames, per_second: float, comment: str) -> N
                     pipe.write(np.ascontiguousarray(frame).tobytes())
         complaints.seek(0)
         said = complaints.read().decode(errors="replace").strip()
+    if writer.returncode and os.strerror(errno.ENOSPC) in said:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
     if writer.returncode:
         raise KinetixError(f"ffmpeg cannot write the film: {said}")

@@ -26,7 +26,7 @@ from kinetix.agents.comparison_files import (
     text_of,
 )
 from kinetix.agents.results import EpisodeResult, LevelFailure, LevelResult, Provenance
-from kinetix.agents.stored_comparison import is_comparison, read_comparison
+from kinetix.agents.stored_comparison import check_replaced, is_comparison, read_comparison
 from kinetix.cli import main
 from kinetix.cli.compare import _print
 from kinetix.errors import KinetixError
@@ -237,3 +237,14 @@ def test_what_is_written_is_there_before_anything_is_printed(tmp_path, monkeypat
         monkeypatch.setattr(f"kinetix.cli.compare.{name}", value)
     assert main(["compare", "--agents", "noop", "--levels", "s", "--out", str(out)]) == 0
     assert there == [True]
+
+
+def test_a_level_is_not_replaced_by_a_comparison(tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr("kinetix.cli.compare.levels_to_measure", None)  # refused before
+    out = tmp_path / "mine.json"
+    out.write_text('{"format": "kinetix-level"}')
+    assert main(["compare", "--agents", "noop", "--levels", str(out), "--out", str(out)]) == 1
+    assert "mine.json: is no comparison, and stays" in capsys.readouterr().err
+    assert out.read_text() == '{"format": "kinetix-level"}'
+    out.write_text('{"format": "kinetix-comparison"}')
+    check_replaced(out)

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from kinetix.errors import KinetixError
+from kinetix.errors import KinetixError, LevelError
+from kinetix.files.atomic import replacing
 from kinetix.render.film import gif_picture, write_film, write_gif
 
 
@@ -98,6 +99,19 @@ def test_what_ffmpeg_says_is_told(tmp_path):
     pytest.importorskip("imageio_ffmpeg")
     with pytest.raises(KinetixError, match=r"ffmpeg cannot write the film: .*framerate"):
         write_film(tmp_path / "a.mp4", _frames(3), kind=".mp4", per_second=-1)
+
+
+def test_a_full_disk_is_one_sentence_that_names_the_film(tmp_path, monkeypatch):
+    program = tmp_path / "ffmpeg"
+    program.write_text(
+        "#!/bin/sh\ncat > /dev/null\necho '[out#0/mp4 @ 0x1] Error: No space left on device' >&2\n"
+        "echo 'Task finished with error code: -28' >&2\nexit 228\n"
+    )
+    program.chmod(0o755)
+    monkeypatch.setattr("kinetix.render.film.ffmpeg", lambda: str(program))
+    with pytest.raises(LevelError) as told, replacing(tmp_path / "b.mp4") as path:
+        write_film(path, _frames(3), kind=".mp4", per_second=30)
+    assert str(told.value) == f"{tmp_path / 'b.mp4'}: cannot be saved: No space left on device"
 
 
 def test_a_picture_of_a_gif_that_lasts_for_long_is_several(tmp_path):

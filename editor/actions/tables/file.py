@@ -2,7 +2,7 @@
 
 from typing import Final
 
-from editor.actions import address, comparison, export, file, leave, outside, recording
+from editor.actions import address, comparison, export, file, leave, outside, recording, recover
 from editor.actions.base import Action, Context
 
 FILE: Final = (
@@ -78,6 +78,15 @@ FILE: Final = (
         menu="File",
         tooltip="A .json of kinetix compare, or saved from the Evaluate panel: its table again.",
         run=comparison.ask_comparison,
+    ),
+    Action(
+        id="file.undiscard",
+        label="Bring Back",
+        menu="File",
+        tooltip="Unsaved work that was discarded at the start, out of the trash.",
+        enabled=recover.can_bring_back,
+        refusal="No unsaved work was discarded.",
+        run=recover.bring_back,
     ),
     Action(
         id="file.screenshot",

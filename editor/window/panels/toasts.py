@@ -35,7 +35,7 @@ _BEFORE_CROSS: Final = 10.0
 _BEFORE_BUTTON: Final = 12.0
 _FADE_SECONDS: Final = 0.4
 _BUTTONS: Final[dict[str, str]] = dict.fromkeys(
-    ("edit.undo", "gallery.restore", "gallery.set_back"), "Undo"
+    ("edit.undo", "gallery.restore", "gallery.set_back", "file.undiscard"), "Undo"
 )
 
 

@@ -59,6 +59,8 @@ class ExportFilm:
     """Write step, controls, value and outcome on the pictures."""
     rival: Trace | None = None
     """The second player of a comparison, filmed beside the first one."""
+    numbered: bool = False
+    """True if the path ends in a number, which rises where another window has that file by then."""
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)

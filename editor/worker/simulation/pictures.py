@@ -2,7 +2,9 @@
 
 import dataclasses
 import functools
+import itertools
 from collections.abc import Iterator
+from contextlib import contextmanager, nullcontext
 from pathlib import Path
 from typing import Any, Final
 
@@ -18,7 +20,7 @@ from editor.worker.requests import ExportFilm, ExportPicture, Image, Progress, R
 from editor.worker.simulation.stepping import start_state, without_memory
 from editor.worker.trace_pages import film_of_trace
 from kinetix.environment.state import EnvState
-from kinetix.errors import KinetixError
+from kinetix.errors import KinetixError, LevelError
 from kinetix.files.atomic import replacing
 from kinetix.level.controls import channels_in_use
 from kinetix.level.model import Level
@@ -137,7 +139,8 @@ def export_film(request: ExportFilm, progress: Progress) -> Path:
     """
     rate = steps_per_second(request) / request.stride
     kind = request.path.suffix.lower()
-    with replacing(request.path) as temporary:
+    target = _reserved(request.path) if request.numbered else nullcontext(request.path)
+    with target as path, replacing(path) as temporary:
         write_film(
             temporary,
             _frames(request, progress),
@@ -145,7 +148,36 @@ def export_film(request: ExportFilm, progress: Progress) -> Path:
             per_second=rate,
             comment=_about(request),
         )
-    return request.path
+    return path
+
+
+@contextmanager
+def _reserved(path: Path) -> Iterator[Path]:
+    """Give the first file from `NAME-001.gif` on that nobody has; another window finds it taken.
+
+    Raises:
+        LevelError: Nothing can be written there.
+    """
+    stem, _, first = path.stem.rpartition("-")
+    numbers = itertools.count(int(first))
+    names = (path.with_name(f"{stem}-{number:03}{path.suffix}") for number in numbers)
+    free = next(filter(_made, names))
+    try:
+        yield free
+    except BaseException:
+        free.unlink(missing_ok=True)
+        raise
+
+
+def _made(path: Path) -> bool:
+    """Make an empty file; whether there was none."""
+    try:
+        path.touch(exist_ok=False)
+    except FileExistsError:
+        return False
+    except OSError as error:
+        raise LevelError(f"{path}: cannot be saved: {error.strerror or error}") from error
+    return True
 
 
 def _about(request: ExportFilm) -> str:

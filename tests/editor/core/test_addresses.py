@@ -1,6 +1,7 @@
 """Levels, episodes and comparisons from files and addresses."""
 
 import contextlib
+import errno
 import functools
 import http.server
 import json
@@ -117,6 +118,21 @@ def test_what_cannot_be_fetched_is_one_sentence(web, tmp_path):
         session.prompts.clear()
     address.open_address(session, "ftp://example.org/level.json")
     assert session.prompts
+
+
+def test_what_cannot_be_kept_aside_is_one_sentence(web, tmp_path, monkeypatch):
+    (tmp_path / "mine.json").write_text(dumps(load_level("s/goalkeeper")))
+    session = Session(settings=Settings())
+
+    def missing():
+        raise FileNotFoundError(errno.ENOENT, "No usable temporary directory found")
+
+    monkeypatch.setattr("editor.actions.address.tempfile.TemporaryDirectory", missing)
+    address.open_address(session, f"{web}/mine.json")
+    _take(session)
+    (prompt,) = session.prompts
+    assert prompt.title == "This cannot be opened"
+    assert prompt.message.endswith("a temporary folder: No usable temporary directory found")
 
 
 def test_a_place_may_be_written_as_people_write_it(web, tmp_path):

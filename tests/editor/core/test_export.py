@@ -1,5 +1,7 @@
 """Exports of a level in another program's format."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 
@@ -64,10 +66,11 @@ class Waiting:
     """A worker that never gets round to anything."""
 
     def __init__(self):
-        self.jobs = ()
+        self.jobs, self.done = (), {}
 
-    def submit(self, request, title, **_):
+    def submit(self, request, title, done=None, **_):
         job = Job(request, title)
+        self.done[job] = done
         self.jobs = (*self.jobs, job)
         return job
 
@@ -76,6 +79,12 @@ class Waiting:
 
     def poll(self):
         pass
+
+    def fail(self, reason):
+        """Let the last job fail."""
+        *jobs, job = self.jobs
+        self.jobs, job.state, job.error = tuple(jobs), JobState.FAILED, reason
+        self.done[job](job)
 
 
 @pytest.fixture
@@ -311,3 +320,43 @@ def test_an_episode_is_shown_in_the_tab_of_its_level(session, tmp_path):
     assert session.document.path is None
     assert export.open_trace(session, tmp_path / "mine.npz")
     assert len(session.tabs) == count and session.document.path == tmp_path / "mine.json"
+
+
+@pytest.fixture
+def failed(session, films):
+    """A session whose film has met a full disk."""
+    actions.run(session, "file.record")
+    actions.run(session, "run.play_human")
+    play(session, 0.3)
+    actions.run(session, "file.record")
+    session.worker.fail("mine-001.gif: cannot be saved: No space left on device")
+    return session
+
+
+def test_a_film_that_was_not_written_can_be_tried_again_and_saved_elsewhere(
+    failed, films, tmp_path
+):
+    (film,) = failed.unwritten
+    assert "No space left" in failed.prompts[-1].message and not films()
+    failed.answer(failed.prompts[-1], "again")
+    assert films() == [film] and not failed.unwritten
+    failed.worker.fail("No space left on device")
+    failed.answer(failed.prompts[-1], "elsewhere")
+    failed.answer(failed.prompts[-1], None)  # no file was chosen: the film is still there
+    failed.answer(failed.prompts[-1], "elsewhere")
+    failed.answer(failed.prompts[-1], tmp_path / "other" / "mine.mp4")
+    elsewhere = tmp_path / "other" / "mine.mp4"
+    assert films() == [dataclasses.replace(film, path=elsewhere, numbered=False)]
+    assert not failed.unwritten and not failed.prompts
+
+
+def test_closing_asks_about_a_film_that_was_not_written(failed, films):
+    actions.run(failed, "file.quit")
+    assert "mine-001.gif" in failed.prompts[-1].message
+    failed.answer(failed.prompts[-1], "wait")
+    play(failed, 0.1)
+    assert not failed.quitting
+    failed.answer(failed.prompts[-1], "drop")
+    assert not failed.unwritten and not films()
+    play(failed, 0.1)
+    assert failed.quitting

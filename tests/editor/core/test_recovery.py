@@ -237,6 +237,27 @@ def test_a_chain_of_killed_runs_offers_the_last_state_once(start, clock, path):
     assert copies() == []
 
 
+def test_what_was_discarded_can_be_brought_back(start, clock, path):
+    for level in (None, a_level()):
+        session = start(*([path] if level is None else []), level=level)
+        if session.prompts:
+            session.answer(session.prompts[-1], "later")
+        session.execute(MOVE)
+        later(session, clock, 4)
+        kill(session)
+    before = {file.name: file.read_bytes() for file in copies()}
+    session = start()
+    assert not actions.run(session, "file.undiscard")
+    session.answer(session.prompts[-1], "discard")
+    assert copies() == [] and recovery.find().recoveries == ()
+    assert session.toasts[-1].action == "file.undiscard"
+    assert "2 copies" in session.toasts[-1].text
+    assert actions.run(session, "file.undiscard")
+    assert {file.name: file.read_bytes() for file in copies()} == before
+    session.answer(session.prompts[-1], "restore")
+    assert [tab.document.dirty for tab in session.tabs].count(True) == 2
+
+
 def chain_of_runs(count, start, clock, path):
     """Kill runs that each go on with what the one before left; returns the last."""
     for _ in range(count):
@@ -555,7 +576,7 @@ def test_save_mine(contested, path):
     session, theirs = contested
     session.answer(session.prompts[-1], "mine")
     assert load_level(path) == session.document.level
-    assert load_level(path.with_name("mine.json.bak")) == theirs
+    assert load_level(path.with_name("mine.json.bak2")) == theirs
     actions.run(session, "file.save")
     assert not session.prompts
 
@@ -578,7 +599,7 @@ def test_a_file_that_is_damaged_meanwhile_can_be_replaced(start, path):
     assert [choice.id for choice in prompt.choices] == ["both", "mine", "cancel"]
     session.answer(prompt, "mine")
     assert load_level(path) == session.document.level
-    assert path.with_name("mine.json.bak").read_text() == "{"
+    assert path.with_name("mine.json.bak2").read_text() == "{"
 
 
 def test_saving_again_and_again_never_asks(start, path):

@@ -16,6 +16,7 @@ from editor.agents.local_training import LocalTraining, start_process
 from editor.documents.document import Document
 from editor.worker.requests import AgentRef
 from kinetix.errors import CommandError
+from kinetix.files.lock import locked_folder
 from kinetix.level.codec import load_level
 from kinetix.level.model import Level
 from kinetix.training.settings import CONFIG
@@ -124,6 +125,8 @@ def test_what_a_closed_app_left_before_it_learnt_gives_its_name_back(session, be
     session.training = LocalTraining(session.training._start)
     long_ago = time.time() - 3600
     os.utime(run / "training.log", (long_ago, long_ago))
+    with locked_folder(run, "another window"):  # which still compiles
+        assert train._taken(run)
     actions.run(session, "agent.train_here")
     assert session.training.run == run
 

@@ -10,7 +10,8 @@ from editor.hosts.recorder import Recorder
 from editor.hosts.replay import Replayer
 from editor.session import Session
 from kinetix.errors import KinetixError
-from tests.editor.core.helpers import FakeSimulator
+from kinetix.level.codec import save_level
+from tests.editor.core.helpers import FakeSimulator, a_level
 from tests.editor.gui.conftest import day, make_gui  # noqa: F401 - fixtures
 
 LOOK = ((1280, 800), 1.0)
@@ -145,3 +146,26 @@ def test_a_script_that_cannot_be_written_is_refused_and_ends_no_app(tmp_path):
     for _ in range(2):
         recorder.take([TextEvent(text="a")], 0.1, LOOK)
     assert ["the recording ends" in toast.text for toast in session.toasts] == [True]
+
+
+def test_a_file_that_is_no_script_is_refused_and_stays(tmp_path):
+    level = tmp_path / "mine.json"
+    save_level(a_level(), level)
+    before = level.read_bytes()
+    with pytest.raises(KinetixError, match=r"mine\.json: is no recorded script"):
+        Recorder(a_session(), level)
+    assert level.read_bytes() == before
+    picture = tmp_path / "picture.png"
+    picture.write_bytes(b"\x89PNG\xff")
+    with pytest.raises(KinetixError):
+        Recorder(a_session(), picture)
+    assert picture.read_bytes() == b"\x89PNG\xff"
+
+
+def test_an_earlier_script_stays_as_a_backup(tmp_path):
+    script = tmp_path / "events.jsonl"
+    for name in "ab":
+        recorder = Recorder(a_session(), script)
+        recorder.take([KeyEvent(key=name, pressed=True)], 1 / 60, LOOK)
+    assert '"a"' in script.with_name("events.jsonl.bak").read_text()
+    assert '"b"' in script.read_text()
