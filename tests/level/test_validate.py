@@ -108,6 +108,10 @@ CASES = {
         with_joint(kind="fixed", reference_angle=0.5),
         "Weld 8: drawn 28.6° from the angle that it holds",
     ),
+    "W215": (
+        with_joint(limits=Limits(min=1, max=2)),
+        "Joint 8: drawn 57.3° outside its limits, will be turned there.",
+    ),
     "W209": (with_joint(anchor_a=(3, 0.02)), "Joint 8: anchor mismatch 0.02 m"),
 }
 
@@ -158,7 +162,7 @@ def test_more_contacts_than_a_step_has_room_for_are_foreseen():
 
 
 def test_every_static_code_has_a_case():
-    errors, warnings = range(101, 111), [*range(201, 210), 212, 213, 214]
+    errors, warnings = range(101, 111), [*range(201, 210), *range(212, 216)]
     assert {case.split()[0] for case in CASES} == {f"E{k}" for k in errors} | {
         f"W{k}" for k in warnings
     }
@@ -249,6 +253,24 @@ def test_welds_hide_motors_and_limits():
     assert codes(weld.replace(thrusters=())) == ["W201"]
     assert codes(with_joint(limits=Limits(min=-4, max=4))) == ["W205"]
     assert codes(with_joint(limits=Limits(on=False, min=1, max=-1))) == []
+
+
+def test_limits_that_exclude_the_drawn_angle_count_whole_turns():
+    """The engine wraps no angle, takes limits in either order, and leaves fixed bodies alone."""
+
+    def found(limits, **changes):
+        return codes(with_joint(limits=limits, **changes))
+
+    assert found(Limits(min=-0.1, max=0.1), reference_angle=math.tau) == ["W215"]
+    assert found(Limits(min=-2.1, max=-1.9), reference_angle=2) == []
+    assert found(Limits(min=math.radians(0.9), max=1)) == []
+    assert found(Limits(min=math.radians(-2), max=math.radians(-1.1))) == ["W215"]
+    assert found(Limits(min=1, max=-1)) == ["W205"]
+    assert found(Limits(on=False, min=1, max=2)) == []
+    assert found(Limits(min=1, max=2), kind="fixed") == []
+    fixed = with_joint(a="floor", anchor_a=(1.5, 6.8), limits=Limits(min=1, max=2))
+    fixed = fixed.replace(bodies=(GREEN, BLUE.replace(fixed=True)))
+    assert codes(fixed) == ["W207"]
 
 
 def test_an_automatic_motor_is_not_a_control():

@@ -15,6 +15,8 @@ ANCHOR_TOLERANCE: Final = 1e-3
 """Distance of a joint's anchors that counts as none [m]."""
 ANGLE_TOLERANCE: Final = 1e-3
 """Difference of a weld's angle from the one that it holds that counts as none [rad]."""
+LIMIT_TOLERANCE: Final = math.radians(1.0)
+"""How far outside its limits a hinge may be drawn: nobody sees it turned back [rad]."""
 
 
 def role_issues(level: Level) -> Iterator[Issue]:
@@ -78,7 +80,7 @@ def size_issues(level: Level) -> Iterator[Issue]:
 def joint_issues(level: Level, placed: list[Placed], broken: set[BodyReference]) -> Iterator[Issue]:
     """Yield joints that do nothing, are drawn apart or turned, senseless limits.
 
-    W205, W207, W209 and W213.
+    W205, W207, W209, W213 and W215.
     """
     bodies = {each.reference: each.body for each in placed}
     for k, joint in enumerate(level.joints):
@@ -93,10 +95,12 @@ def joint_issues(level: Level, placed: list[Placed], broken: set[BodyReference])
         if gap > ANCHOR_TOLERANCE and not (a.fixed and b.fixed):
             message = f"{name}: anchor mismatch {gap:.3g} m, will be pulled together."
             yield issue("W209", message, path=path, ids=(joint.id,), fix="Re-anchor")
+        turn = b.angle - a.angle - joint.reference_angle
         if joint.kind == "revolute":
             yield from _limit_issues(joint, path)
+            if not (a.fixed and b.fixed):
+                yield from _excluded_issues(joint, name, turn, path)
             continue
-        turn = b.angle - a.angle - joint.reference_angle
         if abs(turn) > ANGLE_TOLERANCE and not (a.fixed and b.fixed):
             degrees = f"{abs(math.degrees(turn)):.3g}°"
             message = f"{name}: drawn {degrees} from the angle that it holds, will be turned there."
@@ -114,6 +118,25 @@ def _limit_issues(joint: Joint, path: str) -> Iterator[Issue]:
     elif limits.max - limits.min >= 2 * math.pi:
         message = f"Joint {joint.id}: the limits span 360° or more."
         yield issue("W205", message, path=path, ids=(joint.id,), fix="Switch limits off")
+
+
+def _excluded_issues(joint: Joint, name: str, turn: float, path: str) -> Iterator[Issue]:
+    """Yield a hinge that is drawn outside its limits; the engine counts whole turns and sorts them.
+
+    Args:
+        joint: A hinge.
+        name: What it is called.
+        turn: The drawn angle from its reference angle [rad].
+        path: Of the joint.
+    """
+    limits = joint.limits
+    if limits is None or not limits.on:
+        return
+    outside = max(min(limits.min, limits.max) - turn, turn - max(limits.min, limits.max))
+    if outside > LIMIT_TOLERANCE:
+        degrees = f"{math.degrees(outside):.3g}°"
+        message = f"{name}: drawn {degrees} outside its limits, will be turned there."
+        yield issue("W215", message, path=f"{path}.limits", ids=(joint.id,), fix="Widen limits")
 
 
 def control_issues(level: Level) -> Iterator[Issue]:

@@ -2,6 +2,7 @@
 
 import collections
 import itertools
+import math
 import re
 
 import pytest
@@ -581,6 +582,20 @@ ISSUES = {
     "W213": (
         a_level().replace(joints=(a_level().joints[0].replace(kind="fixed", reference_angle=0.5),)),
         "Hold as drawn",
+    ),
+    "W215": (
+        a_level().replace(joints=(a_level().joints[0].replace(limits=Limits(min=1.0, max=2.0)),)),
+        "Widen limits",
+    ),
+    "W215 turned": (
+        a_level().replace(
+            joints=(
+                a_level()
+                .joints[0]
+                .replace(limits=Limits(min=-0.1, max=0.1), reference_angle=math.tau + 1),
+            )
+        ),
+        "Widen limits",
     ),
 }
 
