@@ -91,7 +91,10 @@ CASES = {
     "W202": (with_body(position=(2.5, 0.5)), "The floor and rectangle 9 overlap by 0.1 m"),
     "W203": (with_body(position=(-8, 2)), "Rectangle 9 lies outside the arena."),
     "W204": (
-        GOOD.replace(bodies=(GREEN.replace(fixed=True), BLUE.replace(fixed=True))),
+        with_body().replace(
+            bodies=(GREEN.replace(fixed=True), BLUE.replace(fixed=True), with_body().bodies[2]),
+            thrusters=(PUSH.replace(body=9),),
+        ),
         "Green and blue are both fixed",
     ),
     "W205": (with_joint(limits=Limits(min=1, max=-1)), "the limits are swapped, min > max"),
@@ -277,6 +280,17 @@ def test_an_automatic_motor_is_not_a_control():
     motor = with_joint(motor=Motor(auto=True)).replace(thrusters=())
     assert codes(motor) == ["W201"]
     assert codes(with_joint(motor=Motor()).replace(thrusters=())) == []
+
+
+def test_what_only_acts_on_fixed_bodies_is_no_control():
+    fixed = GOOD.replace(bodies=(GREEN.replace(fixed=True), BLUE))
+    found = [issue for issue in validate(fixed) if issue.code != "W204"]
+    assert [issue.code for issue in found] == ["W201", "W207"]
+    assert found[1].message == "Thruster 3 on a fixed shape has no effect."
+    motor = with_joint(a="floor", b=1, anchor_a=(-1.5, 6.8), motor=Motor())
+    motor = motor.replace(joints=(motor.joints[0].replace(anchor_b=(0, 0)),), thrusters=())
+    assert codes(motor) == []
+    assert codes(motor.replace(bodies=fixed.bodies)) == ["W201", "W207"]
 
 
 def test_a_thruster_without_body_is_an_error():

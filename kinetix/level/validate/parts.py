@@ -140,7 +140,11 @@ def _excluded_issues(joint: Joint, name: str, turn: float, path: str) -> Iterato
 
 
 def control_issues(level: Level) -> Iterator[Issue]:
-    """Yield motors and thrusters without power, and that nothing can be controlled (W201, W208)."""
+    """Yield motors and thrusters without power, and that nothing can be controlled.
+
+    W201 and W208, and W207 of thrusters on fixed bodies.
+    """
+    fixed = {*ARENA_NAMES, *(body.id for body in level.bodies if body.fixed)}
     controlled = False
     for k, joint in enumerate(level.joints):
         motor = joint.motor
@@ -150,13 +154,17 @@ def control_issues(level: Level) -> Iterator[Issue]:
         if idle:
             message = f"{capital(describe(joint.id, joint))}: motor {' and '.join(idle)} 0."
             yield issue("W208", message, path=f"$.joints[{k}].motor", ids=(joint.id,))
-        else:
+        elif not fixed.issuperset((joint.a, joint.b)):
             controlled = controlled or not motor.auto
     for k, thruster in enumerate(level.thrusters):
+        path, name = f"$.thrusters[{k}]", capital(describe(thruster.id, thruster))
         if thruster.power == 0:
-            message = f"{capital(describe(thruster.id, thruster))}: power 0."
-            path = f"$.thrusters[{k}].power"
-            yield issue("W208", message, path=path, ids=(thruster.id,))
-        controlled = controlled or thruster.power > 0
+            yield issue("W208", f"{name}: power 0.", path=f"{path}.power", ids=(thruster.id,))
+        if thruster.body in fixed:
+            message = f"{name} on a fixed shape has no effect."
+            yield issue("W207", message, path=path, ids=(thruster.id,), fix="Delete")
+        elif thruster.power > 0:
+            controlled = True
     if not controlled:
-        yield issue("W201", "Nothing is controllable (no powered motor or thruster).")
+        message = "Nothing is controllable (no powered motor or thruster that moves a shape)."
+        yield issue("W201", message)

@@ -579,6 +579,12 @@ ISSUES = {
         a_level().replace(joints=(a_level().joints[0].replace(anchor_b=(0.05, 0.0)),)),
         "Re-anchor",
     ),
+    "W207": (
+        a_level().replace(
+            bodies=tuple(body.replace(fixed=True) for body in a_level().bodies), joints=()
+        ),
+        "Delete",
+    ),
     "W213": (
         a_level().replace(joints=(a_level().joints[0].replace(kind="fixed", reference_angle=0.5),)),
         "Hold as drawn",
