@@ -30,8 +30,9 @@ if TYPE_CHECKING:
     from kinetix.environment.env import KinetixEnv
     from kinetix.environment.search import SearchProgress
 
-_NO_TASK = ("E101", "E102", "E104", "E105")
-"""Codes of levels that nothing can win: without green or blue, or over before they begin."""
+_NO_TASK = ("E101", "E102", "E104", "E105", "W216")
+"""Codes of levels that nothing can win: without a green and a blue that can touch, or over before
+they begin."""
 _UNSOLVED = "unsolved"
 
 

@@ -115,6 +115,11 @@ CASES = {
         with_joint(limits=Limits(min=1, max=2)),
         "Joint 8: drawn 57.3° outside its limits, will be turned there.",
     ),
+    "W216": (
+        with_green(collision="ghost"),
+        "Green and blue can never touch (by their collision, or as parts of the arena): "
+        "the level cannot be won.",
+    ),
     "W209": (with_joint(anchor_a=(3, 0.02)), "Joint 8: anchor mismatch 0.02 m"),
 }
 
@@ -165,7 +170,7 @@ def test_more_contacts_than_a_step_has_room_for_are_foreseen():
 
 
 def test_every_static_code_has_a_case():
-    errors, warnings = range(101, 111), [*range(201, 210), *range(212, 216)]
+    errors, warnings = range(101, 111), [*range(201, 210), *range(212, 217)]
     assert {case.split()[0] for case in CASES} == {f"E{k}" for k in errors} | {
         f"W{k}" for k in warnings
     }
@@ -233,7 +238,20 @@ def test_touching_needs_contact_but_not_the_right_to_push():
     apart = with_joint(**joint).replace(bodies=(GREEN.replace(position=(3.597, 2)), BLUE))
     assert "E104" not in codes(apart)
     ghost = with_green(position=(3.7, 2), collision="ghost")
-    assert codes(ghost) == []
+    assert codes(ghost) == ["W216"]
+
+
+def test_a_goal_that_the_engine_never_looks_at_cannot_be_met():
+    ghost, solid = GREEN.replace(collision="ghost"), BLUE.replace(collision="always")
+    assert codes(GOOD.replace(bodies=(ghost, solid))) == []
+    assert codes(GOOD.replace(bodies=(GREEN, BLUE.replace(collision="ghost")))) == ["W216"]
+    blue_floor = Arena(floor=ArenaBody(role="blue"))
+    assert codes(GOOD.replace(bodies=(ghost,), arena=blue_floor)) == []
+    part = GREEN.replace(role="none")
+    both = blue_floor.replace(ceiling=ArenaBody(role="green"))
+    assert codes(GOOD.replace(bodies=(part,), arena=both)) == ["W216"]
+    # One pair that can touch is enough.
+    assert codes(GOOD.replace(bodies=(ghost, BLUE), arena=blue_floor)) == ["E103"]
 
 
 def test_jointed_and_fixed_bodies_do_not_push_each_other_apart():

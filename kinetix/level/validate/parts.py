@@ -5,8 +5,9 @@ from collections import defaultdict
 from collections.abc import Iterator
 from typing import Final
 
-from kinetix.level.geometry import to_world
-from kinetix.level.model import ARENA_NAMES, BodyReference, Joint, Level
+from kinetix.level.geometry import arena_bodies, to_world
+from kinetix.level.graph import modes_meet
+from kinetix.level.model import ARENA_NAMES, Body, BodyReference, Joint, Level
 from kinetix.level.sizes import capacity_of, needed_capacity, shortages
 from kinetix.level.validate.issue import Issue, capital, describe, issue
 from kinetix.level.validate.placed import Placed
@@ -20,16 +21,17 @@ LIMIT_TOLERANCE: Final = math.radians(1.0)
 
 
 def role_issues(level: Level) -> Iterator[Issue]:
-    """Yield what is wrong with green and blue: none, several, both fixed (E101 to E103, W204)."""
-    holders: defaultdict[str, list[BodyReference]] = defaultdict(list)
-    fixed: dict[str, bool] = {"green": True, "blue": True}
-    for name in ARENA_NAMES:
-        holders[getattr(level.arena, name).role].append(name)
+    """Yield what is wrong with green and blue: none, several, or never touching.
+
+    E101 to E103, W204 and W216.
+    """
+    holders: defaultdict[str, list[tuple[BodyReference, Body]]] = defaultdict(list)
+    for name, body in zip(ARENA_NAMES, arena_bodies(level.arena), strict=True):
+        holders[body.role].append((name, body))
     for body in level.bodies:
-        holders[body.role].append(body.id)
-        if body.role in fixed:
-            fixed[body.role] = fixed[body.role] and body.fixed
+        holders[body.role].append((body.id, body))
     green, blue = holders["green"], holders["blue"]
+    ids = tuple(reference for reference, _ in (*green, *blue))
     if not green:
         message = "No green shape: the level cannot be won."
         yield issue("E101", message, fix="Make selected green")
@@ -40,10 +42,24 @@ def role_issues(level: Level) -> Iterator[Issue]:
             f"{len(green)} green and {len(blue)} blue shapes; expected exactly one each "
             f"(true of all published levels)."
         )
-        yield issue("E103", message, ids=(*green, *blue), fix="Keep first")
-    if green and blue and all(fixed.values()):
+        yield issue("E103", message, ids=ids, fix="Keep first")
+    if not (green and blue):
+        return
+    if not any(_can_touch(a, b) for a in green for b in blue):
+        message = (
+            "Green and blue can never touch (by their collision, or as parts of the arena): "
+            "the level cannot be won."
+        )
+        yield issue("W216", message, ids=ids)
+    elif all(body.fixed for _, body in (*green, *blue)):
         message = "Green and blue are both fixed: unwinnable unless another shape moves."
-        yield issue("W204", message, ids=(*green, *blue))
+        yield issue("W204", message, ids=ids)
+
+
+def _can_touch(a: tuple[BodyReference, Body], b: tuple[BodyReference, Body]) -> bool:
+    """Return whether the engine looks at a pair at all; it never does within the arena."""
+    within = isinstance(a[0], str) and isinstance(b[0], str)
+    return not within and modes_meet(a[1], b[1])
 
 
 def reference_issues(level: Level) -> Iterator[Issue]:
