@@ -241,6 +241,14 @@ def test_touching_needs_contact_but_not_the_right_to_push():
     assert codes(ghost) == ["W216"]
 
 
+def test_who_touches_blue_and_red_at_the_start_has_lost():
+    red = Body(id=9, shape=Circle(radius=0.2), position=(3.215, 2), role="red")
+    both = with_green(position=(3.61, 2))
+    both = both.replace(bodies=(*both.bodies, red), next_id=10)
+    assert codes(both) == ["E105"]
+    assert codes(both.replace(bodies=both.bodies[:2])) == ["E104"]
+
+
 def test_a_goal_that_the_engine_never_looks_at_cannot_be_met():
     ghost, solid = GREEN.replace(collision="ghost"), BLUE.replace(collision="always")
     assert codes(GOOD.replace(bodies=(ghost, solid))) == []
