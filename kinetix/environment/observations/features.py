@@ -130,8 +130,15 @@ class Layout:
             *_one_hot("motor_binding", bindings, "one-hot action channel"),
             *_turn("limit_min", "0 without limits, as all that follows"),
             *_turn("limit_max", ""),
-            Feature(name="limit_min_from_reference", unit="rad"),
-            Feature(name="limit_max_from_reference", unit="rad"),
+            *(
+                Feature(
+                    name=f"limit_{side}_from_reference",
+                    unit="rad",
+                    meaning="limit − reference angle, kinetix-env's number; "
+                    "the limit counts from that angle already",
+                )
+                for side in ("min", "max")
+            ),
         )
 
     @property
