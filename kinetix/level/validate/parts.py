@@ -31,7 +31,7 @@ def role_issues(level: Level) -> Iterator[Issue]:
     for body in level.bodies:
         holders[body.role].append((body.id, body))
     green, blue = holders["green"], holders["blue"]
-    ids = tuple(reference for reference, _ in (*green, *blue))
+    ids: tuple[BodyReference, ...] = tuple(reference for reference, _ in (*green, *blue))
     if not green:
         message = "No green shape: the level cannot be won."
         yield issue("E101", message, fix="Make selected green")
