@@ -6,7 +6,7 @@ from typing import TypeVar
 from editor.documents.commands.base import Command
 from editor.documents.commands.fields import SetField, SetLevelField
 from editor.documents.commands.group import Remove
-from editor.documents.commands.joints import HoldAsDrawn, Reanchor
+from editor.documents.commands.joints import HoldAsDrawn, Reanchor, WidenLimits
 from editor.documents.commands.rigid import freed
 from editor.session import Session
 from kinetix.level.geometry import polygon_fault, reverse_winding
@@ -187,6 +187,11 @@ def _hold_as_drawn(level: Level, ids: tuple[int, ...]) -> Fix:
     return Fix(label="Hold as drawn", command=HoldAsDrawn(joints=ids))
 
 
+def _widen_limits(level: Level, ids: tuple[int, ...]) -> Fix:
+    del level
+    return Fix(label="Widen limits", command=WidenLimits(joints=ids))
+
+
 _BY_ENTITY = {
     "E103": _keep_first,
     "E107": _fix_shape,
@@ -196,4 +201,5 @@ _BY_ENTITY = {
     "W207": _delete,
     "W209": _reanchor,
     "W213": _hold_as_drawn,
+    "W215": _widen_limits,
 }

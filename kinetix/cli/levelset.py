@@ -21,7 +21,7 @@ from kinetix.command_line.paths import NamedPath
 from kinetix.errors import KinetixError, LevelError
 from kinetix.files.atomic import backup_of
 from kinetix.files.folders import made_folder
-from kinetix.level.codec import load_document, resolve_path
+from kinetix.level.codec import resolve_path
 from kinetix.level.sets import (
     DEFAULT_SPLIT,
     LONGEST_NAME,
@@ -33,9 +33,10 @@ from kinetix.level.sets import (
     load_set,
     read_levels,
     save_set,
+    set_level_issues,
     split_set,
 )
-from kinetix.level.validate import Issue, has_errors, validate
+from kinetix.level.validate import Issue, has_errors
 from kinetix.wording import plural
 
 _UNSOLVED = "unsolved"
@@ -231,7 +232,7 @@ def verdict_on(each: SetLevel) -> Verdict:
     """Check one level: first by itself, then by playing it."""
     from kinetix.environment.replay import noop_outcome, replay_solution  # only playing needs JAX
 
-    level, issues = each.level, validate(each.level)
+    level, issues = each.level, set_level_issues(each)
     playable = not has_errors(issues)
     noop = solution = None
     unplayed = ""
@@ -248,7 +249,7 @@ def verdict_on(each: SetLevel) -> Verdict:
         noop=noop,
         solution=solution,
         unsolved=_UNSOLVED in level.tags,
-        records=each.path is None or load_document(each.path).format != "kinetix-env",
+        records=each.path is None or each.native,
         unplayed=unplayed,
     )
 

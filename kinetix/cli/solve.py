@@ -20,9 +20,8 @@ from kinetix.files.atomic import backup_of, check_target, write_with_backup
 from kinetix.level.codec import dumps, level_hash, load_document, load_level, save_level
 from kinetix.level.controls import channels_in_use
 from kinetix.level.model import Level, Solution
-from kinetix.level.sets import SetLevel, read_levels
+from kinetix.level.sets import SetLevel, read_levels, set_level_issues
 from kinetix.level.sizes import capacity_of
-from kinetix.level.validate import validate
 from kinetix.paths import levels_dir
 from kinetix.wording import plural
 
@@ -30,8 +29,9 @@ if TYPE_CHECKING:
     from kinetix.environment.env import KinetixEnv
     from kinetix.environment.search import SearchProgress
 
-_NO_TASK = ("E101", "E102", "E104", "E105")
-"""Codes of levels that nothing can win: without green or blue, or over before they begin."""
+_NO_TASK = ("E101", "E102", "E104", "E105", "W216")
+"""Codes of levels that nothing can win: without a green and a blue that can touch, or over before
+they begin."""
 _UNSOLVED = "unsolved"
 
 
@@ -132,7 +132,7 @@ def _tasks(
 
 def _check(each: SetLevel, *, write: bool) -> None:
     """Refuse a level that is no task, or whose file cannot take a solution or be written."""
-    for issue in validate(each.level):
+    for issue in set_level_issues(each):
         if issue.code in _NO_TASK:
             raise LevelError(f"{each.path or each.name}: {issue.path}: {issue.message}")
     if write and each.path is None:

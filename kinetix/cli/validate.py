@@ -16,8 +16,7 @@ from kinetix.cli.one_core import OneCore
 from kinetix.errors import LevelError, plain
 from kinetix.failures import crash_sentence
 from kinetix.level.codec import LEVELSET_FORMAT, LoadedLevel, load_document, resolve_path
-from kinetix.level.kinetix_env_places import peer_path, peer_places
-from kinetix.level.sets import is_set_file, json_files, load_set
+from kinetix.level.sets import is_set_file, issues_in_file, json_files, load_set
 from kinetix.level.validate import Issue, has_errors, validate
 
 
@@ -102,10 +101,7 @@ def file_report(file: str) -> FileReport:
 
 def _level_issues(loaded: LoadedLevel) -> Iterator[Issue]:
     """Yield the problems of a file, each with its path in that file."""
-    places = None if loaded.source is None else peer_places(loaded.source)
-    for issue in validate(loaded.level):
-        where = issue.path if places is None else peer_path(issue.path, places)
-        yield dataclasses.replace(issue, path=where)
+    yield from issues_in_file(loaded.level, loaded.source)
     for mend in loaded.mends:
         message = f"Mended on reading: {mend.message}."
         yield Issue(code=mend.code, severity="warning", path=mend.path, message=message)

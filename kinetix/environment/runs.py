@@ -37,6 +37,8 @@ UNCLIPPED: Final = 1e6
 """A bound of positions and speeds far beyond anything that may happen [m], [m/s], [rad/s]."""
 CHUNK: Final = 128
 """Steps of one compiled scan: runs of any length share it."""
+RECORDED_DT: Final = 1 / 60
+"""Time step at which solutions are recorded [s]."""
 MOST_STEPS: Final = 10_000_000
 """Longer runs would fill the memory."""
 
@@ -109,7 +111,8 @@ def simulate(
             binary64.
         actions: What drives motors and thrusters: nothing (motors with `auto` run all the same);
             six numbers (motor channels −1 … 1, then thruster channels 0 … 1) that are held; a row
-            of them per step; or a `Solution`, such as the level's own.
+            of them per step; or a `Solution`, such as the level's own, whose actions last as long
+            as when they were recorded, whatever `dt`.
         dt: Time step [s].
         specialised: Compile a step for this scene alone. Otherwise it is that of the level's size.
 
@@ -136,7 +139,7 @@ def simulate(
     seconds, dt = as_number(seconds), as_number(dt)
     steps = _steps(seconds, dt)
     solver = solver_named(physics)
-    rows = _action_rows(actions, steps)
+    rows = _action_rows(actions, steps, dt)
     # There is no step for no body at all.
     specialised = specialised and bool(level.bodies)
     check_computable(level)
@@ -252,14 +255,14 @@ def _steps(seconds: float, dt: float) -> int:
     return max(steps, 1)
 
 
-def _action_rows(actions: Any, steps: int) -> Float[np.ndarray, "s u"]:
+def _action_rows(actions: Any, steps: int, dt: float) -> Float[np.ndarray, "s u"]:
     """One row of the unified action per step."""
     kind = ContinuousActions()
     channels = kind.motor_bindings + kind.thruster_bindings
     if actions is None:
         return np.zeros((steps, channels), np.float32)
     if isinstance(actions, Solution):
-        return _solution_rows(actions, steps)
+        return _solution_rows(actions, steps, dt)
     if isinstance(actions, str):
         raise KinetixError(
             f"actions {actions!r:.60}: expected finite numbers, a row per step; those that a level "
@@ -277,12 +280,24 @@ def _action_rows(actions: Any, steps: int) -> Float[np.ndarray, "s u"]:
     return np.broadcast_to(rows, (steps, channels))
 
 
-def _solution_rows(solution: Solution, steps: int) -> Float[np.ndarray, "s u"]:
-    """The recorded actions, then nothing."""
-    chosen = jnp.array(list(solution.unrolled())[:steps], int).reshape(-1, 6)
+def _solution_rows(solution: Solution, steps: int, dt: float) -> Float[np.ndarray, "s u"]:
+    """The recorded actions, each for as long as it was recorded, then nothing.
+
+    Raises:
+        KinetixError: A step would be longer than an action.
+    """
+    lasts = solution.frame_skip * RECORDED_DT
+    if dt > lasts * (1 + 1e-6):
+        raise KinetixError(
+            f"dt {dt:g}: expected at most {lasts:.4g} s, for which each action of the solution "
+            "lasts"
+        )
+    # By the middle of a step, so that actions change at the step nearest to their time.
+    played = ((np.arange(steps) + 0.5) * (dt / lasts)).astype(int)
+    chosen = jnp.array(list(solution.unrolled()), int).reshape(-1, 6)
     rows = np.asarray(jax.vmap(MultiDiscreteActions().unified)(chosen), np.float32)
-    rows = np.repeat(rows, solution.frame_skip, axis=0)[:steps]
-    return np.pad(rows, ((0, steps - len(rows)), (0, 0)))
+    idle = np.zeros((1, rows.shape[1]), np.float32)
+    return np.concatenate([rows, idle])[np.minimum(played, len(rows))]
 
 
 def _frozen(array: np.ndarray) -> np.ndarray:

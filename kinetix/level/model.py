@@ -21,6 +21,18 @@ import msgspec
 from msgspec import Meta
 
 from kinetix.errors import LevelError
+from kinetix.level.extremes import (
+    FARTHEST,
+    FARTHEST_PART,
+    FASTEST,
+    FASTEST_MOTOR,
+    FASTEST_SPIN,
+    STRONGEST_GRAVITY,
+    STRONGEST_MOTOR,
+    STRONGEST_THRUSTER,
+    WIDEST_ANGLE,
+    WIDEST_LIMIT,
+)
 from kinetix.wording import plural
 
 Role = Literal["none", "green", "blue", "red"]
@@ -53,12 +65,6 @@ MAX_NAME: Final = 60
 """Most characters of the name of a body, joint or thruster."""
 MAX_STEPS: Final = 100_000
 """Environment steps of an episode, and so of a recorded solution."""
-FARTHEST: Final = 15.0
-"""Most that a coordinate of a body may be, to either side [m]."""
-FARTHEST_PART: Final = 10_000.0
-"""Most that a coordinate in a body's own frame may be, to either side [m]: far above use."""
-WIDEST_ANGLE: Final = 1e6
-"""Most that an angle may be, to either side [rad]: far above what a long spin gathers."""
 MAX_ENTITIES: Final = 1024
 """Most bodies, joints or thrusters in one level: a bound against hostile files, far above use."""
 
@@ -123,14 +129,28 @@ _Anchor = Annotated[
     float, _real("Attachment in the body's own frame", "m", _WITHIN_BODY, slider=(-2.0, 2.0))
 ]
 _Speed = Annotated[
-    float, _real("Velocity at the start", "m/s", (-100.0, 100.0), slider=(-20.0, 20.0), step=0.1)
+    float,
+    _real("Velocity at the start", "m/s", (-FASTEST, FASTEST), slider=(-20.0, 20.0), step=0.1),
 ]
 _AngularVelocity = Annotated[
     float,
-    _real("Angular velocity at the start", "rad/s", (-50.0, 50.0), slider=(-20.0, 20.0), step=0.1),
+    _real(
+        "Angular velocity at the start",
+        "rad/s",
+        (-FASTEST_SPIN, FASTEST_SPIN),
+        slider=(-20.0, 20.0),
+        step=0.1,
+    ),
 ]
 _Gravity = Annotated[
-    float, _real("Acceleration of gravity", "m/s²", (-100.0, 100.0), slider=(-20.0, 20.0), step=0.1)
+    float,
+    _real(
+        "Acceleration of gravity",
+        "m/s²",
+        (-STRONGEST_GRAVITY, STRONGEST_GRAVITY),
+        slider=(-20.0, 20.0),
+        step=0.1,
+    ),
 ]
 _Angle = Annotated[
     float, _real("Angle, counter-clockwise", "rad", _ANGLES, slider=(-math.pi, math.pi))
@@ -300,7 +320,7 @@ class Motor(Record, frozen=True, kw_only=True):
         _real(
             "Target speed, in units of 6 rad/s",
             "× 6 rad/s",
-            (-20.0, 20.0),
+            (-FASTEST_MOTOR, FASTEST_MOTOR),
             slider=(-3.0, 3.0),
             step=0.05,
         ),
@@ -310,7 +330,7 @@ class Motor(Record, frozen=True, kw_only=True):
         _real(
             "Strength, in units of 900 rad/s²",
             "× 900 rad/s²",
-            (0.0, 20.0),
+            (0.0, STRONGEST_MOTOR),
             slider=(0.0, 10.0),
             step=0.05,
         ),
@@ -326,10 +346,12 @@ class Limits(Record, frozen=True, kw_only=True):
 
     on: Annotated[bool, _note("Whether the limits hold")] = True
     min: Annotated[
-        float, _real("Least angle", "rad", (-100.0, 100.0), slider=(-math.pi, math.pi))
+        float,
+        _real("Least angle", "rad", (-WIDEST_LIMIT, WIDEST_LIMIT), slider=(-math.pi, math.pi)),
     ] = 0.0
     max: Annotated[
-        float, _real("Greatest angle", "rad", (-100.0, 100.0), slider=(-math.pi, math.pi))
+        float,
+        _real("Greatest angle", "rad", (-WIDEST_LIMIT, WIDEST_LIMIT), slider=(-math.pi, math.pi)),
     ] = 0.0
 
 
@@ -366,7 +388,13 @@ class Thruster(Record, frozen=True, kw_only=True):
     angle: _Angle = 0.0
     power: Annotated[
         float,
-        _real("Strength, in units of 10 N", "× 10 N", (0.0, 100.0), slider=(0.0, 20.0), step=0.05),
+        _real(
+            "Strength, in units of 10 N",
+            "× 10 N",
+            (0.0, STRONGEST_THRUSTER),
+            slider=(0.0, 20.0),
+            step=0.05,
+        ),
     ] = 1.0
     binding: Annotated[
         int, Meta(ge=0, le=THRUSTER_BINDINGS - 1, description="Action channel that drives it")

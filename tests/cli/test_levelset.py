@@ -10,6 +10,7 @@ import pytest
 
 from kinetix.cli import main
 from kinetix.errors import KinetixError
+from kinetix.level.builder import LevelBuilder
 from kinetix.level.codec import dumps, load_level, save_level
 from kinetix.level.sets import load_set
 
@@ -37,6 +38,24 @@ def test_build_and_split(folder, capsys):
     assert after.count("train") == 2
     assert before.count("train") == 4
     assert load_set(out).manifest.seed == 1
+
+
+def test_errors_name_the_places_of_kinetix_env_files(tmp_path, capsys):
+    """The blue circle is the file's second, as the slot of the first is empty."""
+    builder = LevelBuilder("Won")
+    builder.rectangle(1.0, 2.0, 0.4, 0.4, role="green")
+    builder.circle(4.0, 3.0, 0.2)
+    builder.circle(1.0, 2.3, 0.2, role="blue")
+    tree = json.loads(dumps(builder.build(), format="kinetix-env"))
+    tree["env_state"]["circle"][0]["active"] = False
+    (tmp_path / "won.json").write_text(json.dumps(tree))
+    place = "$.env_state.circle[1]: "
+    assert main(["levelset", "build", str(tmp_path / "set.json"), "--levels", str(tmp_path)]) == 1
+    assert f"won.json: {place}E104" in capsys.readouterr().err
+    assert main(["levelset", "verify", str(tmp_path)]) == 1
+    assert f"E104 {place}" in capsys.readouterr().out
+    assert main(["solve", str(tmp_path / "won.json")]) == 1
+    assert f"won.json: {place}Green already touches blue" in capsys.readouterr().err
 
 
 def test_where_the_levels_of_a_set_are_is_told_as_it_is(folder, tmp_path_factory, capsys):

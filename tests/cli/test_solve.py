@@ -143,10 +143,17 @@ def test_of_a_folder_what_is_no_task_is_left_out_with_a_sentence(search, folder,
     assert f"left out: {folder / '10.json'}: " in told and "touches blue at the start" in told
 
 
-@pytest.mark.parametrize(("role", "why"), [("green", "E101"), ("blue", "E102")])
-def test_what_nothing_can_win_is_said_at_once(search, folder, capsys, role, why):
+@pytest.mark.parametrize(
+    ("role", "change", "why"),
+    [
+        ("green", {"role": "none"}, "E101"),
+        ("blue", {"role": "none"}, "E102"),
+        ("blue", {"collision": "ghost"}, "W216"),
+    ],
+)
+def test_what_nothing_can_win_is_said_at_once(search, folder, capsys, role, change, why):
     level = load_level(folder / "10.json")
-    plain = [b.replace(role="none") if b.role == role else b for b in level.bodies]
+    plain = [b.replace(**change) if b.role == role else b for b in level.bodies]
     save_level(level.replace(bodies=tuple(plain)), folder / "10.json")
     (said,) = [
         issue.message for issue in validate(load_level(folder / "10.json")) if issue.code == why

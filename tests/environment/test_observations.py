@@ -20,6 +20,7 @@ from kinetix.environment.observations import (
     FlatPaddedObservations,
     Layout,
 )
+from kinetix.environment.observations.rows import joint_rows
 from kinetix.environment.params import EnvParams, StaticEnvParams, static_env_params_from_size
 from kinetix.environment.rearrange import expand_state, permute_state
 from kinetix.environment.reset import level_state
@@ -109,6 +110,26 @@ def test_published_widths(size: str, length: int) -> None:
     assert len(default.flat) == 1675
     shapes = {"s": (6, 41), "m": (10, 45), "l": (21, 59)}
     assert FlatPaddedObservations(layout=layout).space.shape == shapes[size]
+
+
+def test_columns_of_limits_say_that_the_reference_angle_is_taken_off_twice(
+    layout: Layout, moving: EnvState
+) -> None:
+    world = moving.world
+    turned = jnp.full_like(world.joints.reference_angle, 0.75)
+    joints = dataclasses.replace(
+        world.joints, reference_angle=turned, limited=jnp.ones_like(world.joints.limited)
+    )
+    world = dataclasses.replace(world, joints=joints)
+    rows, _ = joint_rows(dataclasses.replace(moving, world=world), layout)
+    hinge = np.flatnonzero(joints.active & ~joints.fixed)[0]
+    for end in ("min", "max"):
+        name = f"limit_{end}_from_reference"
+        ((column, meaning),) = [
+            (k, each.meaning) for k, each in enumerate(layout.joint) if each.name == name
+        ]
+        assert rows[hinge, column] == getattr(joints, f"limit_{end}")[hinge] - 0.75
+        assert "counts from that angle already" in meaning
 
 
 def test_flat_is_the_padded_form_without_padding(layout: Layout, moving: EnvState) -> None:

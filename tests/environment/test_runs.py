@@ -11,7 +11,7 @@ import pytest
 import kinetix
 from kinetix.environment import runs
 from kinetix.errors import KinetixError, LevelError
-from kinetix.level.model import Motor
+from kinetix.level.model import Motor, Solution
 
 
 def falling(x=0.0, **fields):
@@ -106,6 +106,27 @@ def test_a_recorded_solution_wins_as_in_the_environment(specialised):
     )
     apart = run.position[-1, run.index(green.id)] - run.position[-1, run.index(blue.id)]
     assert np.linalg.norm(apart) < np.linalg.norm(np.subtract(green.position, blue.position)) / 2
+
+
+@pytest.mark.parametrize("dt", [1 / 30, 1 / 60, 1 / 120, 0.016])
+def test_actions_of_a_solution_last_as_long_whatever_the_time_step(dt):
+    """A thruster of 10 N pushes 1 kg for 4/15 s, rests for 2/15 s, and pushes for 2/15 s more."""
+    builder = kinetix.LevelBuilder("Thrust", gravity=(0, 0), arena=False)
+    body = builder.rectangle(0, 0, 1, 1)
+    builder.thruster(body, (0, 0), angle=0, power=1)
+    runs = ((4, (0, 0, 0, 0, 1, 0)), (2, (0, 0, 0, 0, 0, 0)), (2, (0, 0, 0, 0, 1, 0)))
+    solution = Solution(physics="balanced", frame_skip=4, actions=runs)
+    run = kinetix.simulate(builder.build(), 0.6, actions=solution, dt=dt)
+    speed = run.velocity[:, 0, 0]
+    for moment, burnt in ((0.1, 0.1), (4 / 15, 4 / 15), (0.4, 4 / 15), (0.5, 11 / 30), (0.6, 0.4)):
+        assert speed[round(moment / dt)] == pytest.approx(10 * burnt, abs=10 * dt * 1.01)
+
+
+def test_a_step_longer_than_an_action_of_a_solution_is_refused():
+    solution = Solution(physics="balanced", frame_skip=2, actions=((3, (0,) * 6),))
+    assert len(kinetix.simulate(falling(), 0.2, actions=solution, dt=1 / 30).time) == 7
+    with pytest.raises(KinetixError, match=r"dt 0\.05: expected at most 0\.03333 s, for which"):
+        kinetix.simulate(falling(), 0.2, actions=solution, dt=0.05)
 
 
 def test_the_reference_computes_in_binary64():

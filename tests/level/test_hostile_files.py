@@ -103,14 +103,14 @@ def test_the_gallery_shows_what_is_beside_a_bad_file(folder, tmp_path):
 def test_a_fault_of_ours_in_one_file_hides_no_other(folder, tmp_path, monkeypatch, capsys):
     from editor.gallery import card
     from editor.gallery.library import Library
-    from kinetix.cli import validate
+    from kinetix.level.sets import problems
 
     def broken(level):
         raise ZeroDivisionError
 
     monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "state"))
     monkeypatch.setattr(card, "validate", broken)
-    monkeypatch.setattr(validate, "validate", broken)
+    monkeypatch.setattr(problems, "validate", broken)
     assert main(["validate", str(folder)]) == 1
     out = capsys.readouterr().out
     assert "good.json: error E001 $: kinetix validate: something went wrong" in out

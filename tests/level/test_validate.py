@@ -91,7 +91,10 @@ CASES = {
     "W202": (with_body(position=(2.5, 0.5)), "The floor and rectangle 9 overlap by 0.1 m"),
     "W203": (with_body(position=(-8, 2)), "Rectangle 9 lies outside the arena."),
     "W204": (
-        GOOD.replace(bodies=(GREEN.replace(fixed=True), BLUE.replace(fixed=True))),
+        with_body().replace(
+            bodies=(GREEN.replace(fixed=True), BLUE.replace(fixed=True), with_body().bodies[2]),
+            thrusters=(PUSH.replace(body=9),),
+        ),
         "Green and blue are both fixed",
     ),
     "W205": (with_joint(limits=Limits(min=1, max=-1)), "the limits are swapped, min > max"),
@@ -107,6 +110,15 @@ CASES = {
     "W213": (
         with_joint(kind="fixed", reference_angle=0.5),
         "Weld 8: drawn 28.6° from the angle that it holds",
+    ),
+    "W215": (
+        with_joint(limits=Limits(min=1, max=2)),
+        "Joint 8: drawn 57.3° outside its limits, will be turned there.",
+    ),
+    "W216": (
+        with_green(collision="ghost"),
+        "Green and blue can never touch (by their collision, or as parts of the arena): "
+        "the level cannot be won.",
     ),
     "W209": (with_joint(anchor_a=(3, 0.02)), "Joint 8: anchor mismatch 0.02 m"),
 }
@@ -158,7 +170,7 @@ def test_more_contacts_than_a_step_has_room_for_are_foreseen():
 
 
 def test_every_static_code_has_a_case():
-    errors, warnings = range(101, 111), [*range(201, 210), 212, 213, 214]
+    errors, warnings = range(101, 111), [*range(201, 210), *range(212, 217)]
     assert {case.split()[0] for case in CASES} == {f"E{k}" for k in errors} | {
         f"W{k}" for k in warnings
     }
@@ -226,7 +238,28 @@ def test_touching_needs_contact_but_not_the_right_to_push():
     apart = with_joint(**joint).replace(bodies=(GREEN.replace(position=(3.597, 2)), BLUE))
     assert "E104" not in codes(apart)
     ghost = with_green(position=(3.7, 2), collision="ghost")
-    assert codes(ghost) == []
+    assert codes(ghost) == ["W216"]
+
+
+def test_who_touches_blue_and_red_at_the_start_has_lost():
+    red = Body(id=9, shape=Circle(radius=0.2), position=(3.215, 2), role="red")
+    both = with_green(position=(3.61, 2))
+    both = both.replace(bodies=(*both.bodies, red), next_id=10)
+    assert codes(both) == ["E105"]
+    assert codes(both.replace(bodies=both.bodies[:2])) == ["E104"]
+
+
+def test_a_goal_that_the_engine_never_looks_at_cannot_be_met():
+    ghost, solid = GREEN.replace(collision="ghost"), BLUE.replace(collision="always")
+    assert codes(GOOD.replace(bodies=(ghost, solid))) == []
+    assert codes(GOOD.replace(bodies=(GREEN, BLUE.replace(collision="ghost")))) == ["W216"]
+    blue_floor = Arena(floor=ArenaBody(role="blue"))
+    assert codes(GOOD.replace(bodies=(ghost,), arena=blue_floor)) == []
+    part = GREEN.replace(role="none")
+    both = blue_floor.replace(ceiling=ArenaBody(role="green"))
+    assert codes(GOOD.replace(bodies=(part,), arena=both)) == ["W216"]
+    # One pair that can touch is enough.
+    assert codes(GOOD.replace(bodies=(ghost, BLUE), arena=blue_floor)) == ["E103"]
 
 
 def test_jointed_and_fixed_bodies_do_not_push_each_other_apart():
@@ -251,10 +284,39 @@ def test_welds_hide_motors_and_limits():
     assert codes(with_joint(limits=Limits(on=False, min=1, max=-1))) == []
 
 
+def test_limits_that_exclude_the_drawn_angle_count_whole_turns():
+    """The engine wraps no angle, takes limits in either order, and leaves fixed bodies alone."""
+
+    def found(limits, **changes):
+        return codes(with_joint(limits=limits, **changes))
+
+    assert found(Limits(min=-0.1, max=0.1), reference_angle=math.tau) == ["W215"]
+    assert found(Limits(min=-2.1, max=-1.9), reference_angle=2) == []
+    assert found(Limits(min=math.radians(0.9), max=1)) == []
+    assert found(Limits(min=math.radians(-2), max=math.radians(-1.1))) == ["W215"]
+    assert found(Limits(min=1, max=-1)) == ["W205"]
+    assert found(Limits(on=False, min=1, max=2)) == []
+    assert found(Limits(min=1, max=2), kind="fixed") == []
+    fixed = with_joint(a="floor", anchor_a=(1.5, 6.8), limits=Limits(min=1, max=2))
+    fixed = fixed.replace(bodies=(GREEN, BLUE.replace(fixed=True)))
+    assert codes(fixed) == ["W207"]
+
+
 def test_an_automatic_motor_is_not_a_control():
     motor = with_joint(motor=Motor(auto=True)).replace(thrusters=())
     assert codes(motor) == ["W201"]
     assert codes(with_joint(motor=Motor()).replace(thrusters=())) == []
+
+
+def test_what_only_acts_on_fixed_bodies_is_no_control():
+    fixed = GOOD.replace(bodies=(GREEN.replace(fixed=True), BLUE))
+    found = [issue for issue in validate(fixed) if issue.code != "W204"]
+    assert [issue.code for issue in found] == ["W201", "W207"]
+    assert found[1].message == "Thruster 3 on a fixed shape has no effect."
+    motor = with_joint(a="floor", b=1, anchor_a=(-1.5, 6.8), motor=Motor())
+    motor = motor.replace(joints=(motor.joints[0].replace(anchor_b=(0, 0)),), thrusters=())
+    assert codes(motor) == []
+    assert codes(motor.replace(bodies=fixed.bodies)) == ["W201", "W207"]
 
 
 def test_a_thruster_without_body_is_an_error():

@@ -14,6 +14,7 @@ from editor.documents.commands.rigid import (
     with_parts,
 )
 from kinetix.errors import CommandError
+from kinetix.level.extremes import FARTHEST
 from kinetix.level.geometry import (
     bounds,
     centre_of_mass,
@@ -24,7 +25,6 @@ from kinetix.level.geometry import (
 )
 from kinetix.level.mirror import BOTH, Axis, End, mirrored_body, mirrored_joint, mirrored_thruster
 from kinetix.level.model import (
-    FARTHEST,
     Body,
     BodyReference,
     Circle,

@@ -1,6 +1,7 @@
 """Edits of joints: joining two bodies, bringing the anchors together again."""
 
 import dataclasses
+import math
 from collections.abc import Callable, Collection, Hashable
 
 from editor.documents.commands.base import EntityId
@@ -216,6 +217,34 @@ class HoldAsDrawn:
             return joint.replace(reference_angle=relative_angle(level, joint))
 
         return _with_joints(level, self.joints, held)
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class WidenLimits:
+    """Lets the limits of joints take in the drawn angles (the fix of W215)."""
+
+    joints: tuple[EntityId, ...]
+    merge_key: Hashable | None = None
+
+    @property
+    def label(self) -> str:
+        """Fixed."""
+        return "Widen limits"
+
+    def apply(self, level: Level) -> Level:
+        """Move the limits no further than to the drawn angle, whole turns left aside."""
+
+        def widened(joint: Joint) -> Joint:
+            if joint.limits is None:
+                return joint
+            low, high = sorted((joint.limits.min, joint.limits.max))
+            drawn = relative_angle(level, joint) - joint.reference_angle
+            turns = math.tau * round((drawn - (low + high) / 2) / math.tau)
+            drawn -= turns
+            limits = joint.limits.replace(min=min(low, drawn), max=max(high, drawn))
+            return joint.replace(reference_angle=joint.reference_angle + turns, limits=limits)
+
+        return _with_joints(level, self.joints, widened)
 
 
 def _with_joint(level: Level, joint_id: int, change: Callable[[Joint], Joint]) -> Level:

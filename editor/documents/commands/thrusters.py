@@ -4,6 +4,7 @@ import dataclasses
 from collections.abc import Hashable
 
 from kinetix.errors import CommandError
+from kinetix.level.extremes import STRONGEST_THRUSTER
 from kinetix.level.geometry import body_mass, to_local
 from kinetix.level.model import THRUSTER_BINDINGS, Body, InertiaModel, Level, Point, Thruster
 
@@ -18,7 +19,7 @@ def default_power(body: Body, inertia_model: InertiaModel) -> float:
     if body.fixed:
         return 1.0
     mass, _ = body_mass(body, inertia_model)
-    return min(max(round(HOVERS * HOVER_POWER * mass, 2), 0.05), 100.0)
+    return min(max(round(HOVERS * HOVER_POWER * mass, 2), 0.05), STRONGEST_THRUSTER)
 
 
 def next_binding(level: Level) -> int:

@@ -24,6 +24,7 @@ from editor.toolkit import widgets
 from editor.window.panels.fields import Editor
 from editor.window.panels.number_field import NumberField
 from editor.window.panels.number_info import FieldInfo
+from kinetix.level.extremes import FARTHEST
 from kinetix.level.geometry import body_mass, referenced_body, to_world, world_vertices
 from kinetix.level.model import ARENA_NAMES, Body, BodyReference, Circle, Joint, Polygon
 
@@ -32,7 +33,7 @@ if TYPE_CHECKING:
 
 _AXES: Final[tuple[tuple[Axis, str], ...]] = ((0, "x"), (1, "y"))
 _PLACE: Final = FieldInfo(
-    unit="m", low=-15.0, high=15.0, slider=(0.0, 5.0), step=0.01, description="In the world"
+    unit="m", low=-FARTHEST, high=FARTHEST, slider=(0.0, 5.0), step=0.01, description="In the world"
 )
 
 

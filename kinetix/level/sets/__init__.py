@@ -25,6 +25,7 @@ from kinetix.level.sets.manifest import (
 )
 from kinetix.level.sets.parts import distinct, evaluation_part, training_part
 from kinetix.level.sets.paths import within_reach
+from kinetix.level.sets.problems import issues_in_file, set_level_issues
 from kinetix.level.sets.read import is_set_file, load_set
 from kinetix.level.sets.write import dumps_set, inline_losses, save_set
 
@@ -47,12 +48,14 @@ __all__ = [
     "gather_levels",
     "inline_losses",
     "is_set_file",
+    "issues_in_file",
     "json_files",
     "level_files",
     "load_set",
     "place_of",
     "read_levels",
     "save_set",
+    "set_level_issues",
     "split_set",
     "training_part",
     "within_reach",

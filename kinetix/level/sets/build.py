@@ -18,8 +18,8 @@ from kinetix.level.sets.manifest import (
 )
 from kinetix.level.sets.parts import distinct
 from kinetix.level.sets.paths import path_in_set
+from kinetix.level.sets.problems import set_level_issues
 from kinetix.level.sizes import needed_capacity
-from kinetix.level.validate import validate
 from kinetix.version import __version__
 
 
@@ -82,7 +82,7 @@ def _refuse_errors(levels: Sequence[SetLevel]) -> None:
     """
     wrong = []
     for each in levels:
-        errors = [issue for issue in validate(each.level) if issue.severity == "error"]
+        errors = [issue for issue in set_level_issues(each) if issue.severity == "error"]
         if errors:
             first = errors[0]
             wrong.append(f"{each.path or each.name}: {first.path}: {first.code} {first.message}")

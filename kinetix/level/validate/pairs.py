@@ -23,11 +23,15 @@ MOST_OVERLAPS: Final = 200
 
 
 def pair_issues(level: Level, placed: list[Placed]) -> Iterator[Issue]:
-    """Yield touches that decide the level at once (E104, E105), overlaps (W202), crowds (W211)."""
+    """Yield touches that decide the level at once, overlaps (W202) and crowds (W211).
+
+    A touch with red (E105) beats one with blue (E104), as in the game.
+    """
     component = components(level)
     capacity = capacity_of(level)
     room = touching_points(capacity.polygons - ARENA_BODIES, capacity.circles)
     contacts = overlaps = 0
+    decided: list[Issue] = []
     for a, b in _pairs_of_boxes(placed):
         enough = overlaps > MOST_OVERLAPS and contacts > room
         green = "green" in (a.body.role, b.body.role)
@@ -40,7 +44,7 @@ def pair_issues(level: Level, placed: list[Placed]) -> Iterator[Issue]:
         if pushing and depth >= -TOUCH_SLOP:
             both = isinstance(a.body.shape, Polygon) and isinstance(b.body.shape, Polygon)
             contacts += 2 if both else 1
-        yield from _touch_issues(a, b, depth, pushing=pushing)
+        decided += _touch_issues(a, b, depth, pushing=pushing)
         if pushing and depth > OVERLAP_TOLERANCE:
             overlaps += 1
             if overlaps <= MOST_OVERLAPS:
@@ -48,6 +52,8 @@ def pair_issues(level: Level, placed: list[Placed]) -> Iterator[Issue]:
     if overlaps > MOST_OVERLAPS:
         message = f"More shapes overlap than the {MOST_OVERLAPS} pairs that are listed."
         yield issue("W202", message)
+    lost = [issue for issue in decided if issue.code == "E105"]
+    yield from lost or decided
     yield from _crowd_issues(level, contacts, room)
 
 

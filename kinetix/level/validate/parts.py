@@ -5,8 +5,9 @@ from collections import defaultdict
 from collections.abc import Iterator
 from typing import Final
 
-from kinetix.level.geometry import to_world
-from kinetix.level.model import ARENA_NAMES, BodyReference, Joint, Level
+from kinetix.level.geometry import arena_bodies, to_world
+from kinetix.level.graph import modes_meet
+from kinetix.level.model import ARENA_NAMES, Body, BodyReference, Joint, Level
 from kinetix.level.sizes import capacity_of, needed_capacity, shortages
 from kinetix.level.validate.issue import Issue, capital, describe, issue
 from kinetix.level.validate.placed import Placed
@@ -15,19 +16,22 @@ ANCHOR_TOLERANCE: Final = 1e-3
 """Distance of a joint's anchors that counts as none [m]."""
 ANGLE_TOLERANCE: Final = 1e-3
 """Difference of a weld's angle from the one that it holds that counts as none [rad]."""
+LIMIT_TOLERANCE: Final = math.radians(1.0)
+"""How far outside its limits a hinge may be drawn: nobody sees it turned back [rad]."""
 
 
 def role_issues(level: Level) -> Iterator[Issue]:
-    """Yield what is wrong with green and blue: none, several, both fixed (E101 to E103, W204)."""
-    holders: defaultdict[str, list[BodyReference]] = defaultdict(list)
-    fixed: dict[str, bool] = {"green": True, "blue": True}
-    for name in ARENA_NAMES:
-        holders[getattr(level.arena, name).role].append(name)
+    """Yield what is wrong with green and blue: none, several, or never touching.
+
+    E101 to E103, W204 and W216.
+    """
+    holders: defaultdict[str, list[tuple[BodyReference, Body]]] = defaultdict(list)
+    for name, body in zip(ARENA_NAMES, arena_bodies(level.arena), strict=True):
+        holders[body.role].append((name, body))
     for body in level.bodies:
-        holders[body.role].append(body.id)
-        if body.role in fixed:
-            fixed[body.role] = fixed[body.role] and body.fixed
+        holders[body.role].append((body.id, body))
     green, blue = holders["green"], holders["blue"]
+    ids: tuple[BodyReference, ...] = tuple(reference for reference, _ in (*green, *blue))
     if not green:
         message = "No green shape: the level cannot be won."
         yield issue("E101", message, fix="Make selected green")
@@ -38,10 +42,24 @@ def role_issues(level: Level) -> Iterator[Issue]:
             f"{len(green)} green and {len(blue)} blue shapes; expected exactly one each "
             f"(true of all published levels)."
         )
-        yield issue("E103", message, ids=(*green, *blue), fix="Keep first")
-    if green and blue and all(fixed.values()):
+        yield issue("E103", message, ids=ids, fix="Keep first")
+    if not (green and blue):
+        return
+    if not any(_can_touch(a, b) for a in green for b in blue):
+        message = (
+            "Green and blue can never touch (by their collision, or as parts of the arena): "
+            "the level cannot be won."
+        )
+        yield issue("W216", message, ids=ids)
+    elif all(body.fixed for _, body in (*green, *blue)):
         message = "Green and blue are both fixed: unwinnable unless another shape moves."
-        yield issue("W204", message, ids=(*green, *blue))
+        yield issue("W204", message, ids=ids)
+
+
+def _can_touch(a: tuple[BodyReference, Body], b: tuple[BodyReference, Body]) -> bool:
+    """Return whether the engine looks at a pair at all; it never does within the arena."""
+    within = isinstance(a[0], str) and isinstance(b[0], str)
+    return not within and modes_meet(a[1], b[1])
 
 
 def reference_issues(level: Level) -> Iterator[Issue]:
@@ -78,7 +96,7 @@ def size_issues(level: Level) -> Iterator[Issue]:
 def joint_issues(level: Level, placed: list[Placed], broken: set[BodyReference]) -> Iterator[Issue]:
     """Yield joints that do nothing, are drawn apart or turned, senseless limits.
 
-    W205, W207, W209 and W213.
+    W205, W207, W209, W213 and W215.
     """
     bodies = {each.reference: each.body for each in placed}
     for k, joint in enumerate(level.joints):
@@ -93,10 +111,12 @@ def joint_issues(level: Level, placed: list[Placed], broken: set[BodyReference])
         if gap > ANCHOR_TOLERANCE and not (a.fixed and b.fixed):
             message = f"{name}: anchor mismatch {gap:.3g} m, will be pulled together."
             yield issue("W209", message, path=path, ids=(joint.id,), fix="Re-anchor")
+        turn = b.angle - a.angle - joint.reference_angle
         if joint.kind == "revolute":
             yield from _limit_issues(joint, path)
+            if not (a.fixed and b.fixed):
+                yield from _excluded_issues(joint, name, turn, path)
             continue
-        turn = b.angle - a.angle - joint.reference_angle
         if abs(turn) > ANGLE_TOLERANCE and not (a.fixed and b.fixed):
             degrees = f"{abs(math.degrees(turn)):.3g}°"
             message = f"{name}: drawn {degrees} from the angle that it holds, will be turned there."
@@ -116,8 +136,31 @@ def _limit_issues(joint: Joint, path: str) -> Iterator[Issue]:
         yield issue("W205", message, path=path, ids=(joint.id,), fix="Switch limits off")
 
 
+def _excluded_issues(joint: Joint, name: str, turn: float, path: str) -> Iterator[Issue]:
+    """Yield a hinge that is drawn outside its limits; the engine counts whole turns and sorts them.
+
+    Args:
+        joint: A hinge.
+        name: What it is called.
+        turn: The drawn angle from its reference angle [rad].
+        path: Of the joint.
+    """
+    limits = joint.limits
+    if limits is None or not limits.on:
+        return
+    outside = max(min(limits.min, limits.max) - turn, turn - max(limits.min, limits.max))
+    if outside > LIMIT_TOLERANCE:
+        degrees = f"{math.degrees(outside):.3g}°"
+        message = f"{name}: drawn {degrees} outside its limits, will be turned there."
+        yield issue("W215", message, path=f"{path}.limits", ids=(joint.id,), fix="Widen limits")
+
+
 def control_issues(level: Level) -> Iterator[Issue]:
-    """Yield motors and thrusters without power, and that nothing can be controlled (W201, W208)."""
+    """Yield motors and thrusters without power, and that nothing can be controlled.
+
+    W201 and W208, and W207 of thrusters on fixed bodies.
+    """
+    fixed = {*ARENA_NAMES, *(body.id for body in level.bodies if body.fixed)}
     controlled = False
     for k, joint in enumerate(level.joints):
         motor = joint.motor
@@ -127,13 +170,17 @@ def control_issues(level: Level) -> Iterator[Issue]:
         if idle:
             message = f"{capital(describe(joint.id, joint))}: motor {' and '.join(idle)} 0."
             yield issue("W208", message, path=f"$.joints[{k}].motor", ids=(joint.id,))
-        else:
+        elif not fixed.issuperset((joint.a, joint.b)):
             controlled = controlled or not motor.auto
     for k, thruster in enumerate(level.thrusters):
+        path, name = f"$.thrusters[{k}]", capital(describe(thruster.id, thruster))
         if thruster.power == 0:
-            message = f"{capital(describe(thruster.id, thruster))}: power 0."
-            path = f"$.thrusters[{k}].power"
-            yield issue("W208", message, path=path, ids=(thruster.id,))
-        controlled = controlled or thruster.power > 0
+            yield issue("W208", f"{name}: power 0.", path=f"{path}.power", ids=(thruster.id,))
+        if thruster.body in fixed:
+            message = f"{name} on a fixed shape has no effect."
+            yield issue("W207", message, path=path, ids=(thruster.id,), fix="Delete")
+        elif thruster.power > 0:
+            controlled = True
     if not controlled:
-        yield issue("W201", "Nothing is controllable (no powered motor or thruster).")
+        message = "Nothing is controllable (no powered motor or thruster that moves a shape)."
+        yield issue("W201", message)

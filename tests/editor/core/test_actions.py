@@ -2,6 +2,7 @@
 
 import collections
 import itertools
+import math
 import re
 
 import pytest
@@ -578,9 +579,29 @@ ISSUES = {
         a_level().replace(joints=(a_level().joints[0].replace(anchor_b=(0.05, 0.0)),)),
         "Re-anchor",
     ),
+    "W207": (
+        a_level().replace(
+            bodies=tuple(body.replace(fixed=True) for body in a_level().bodies), joints=()
+        ),
+        "Delete",
+    ),
     "W213": (
         a_level().replace(joints=(a_level().joints[0].replace(kind="fixed", reference_angle=0.5),)),
         "Hold as drawn",
+    ),
+    "W215": (
+        a_level().replace(joints=(a_level().joints[0].replace(limits=Limits(min=1.0, max=2.0)),)),
+        "Widen limits",
+    ),
+    "W215 turned": (
+        a_level().replace(
+            joints=(
+                a_level()
+                .joints[0]
+                .replace(limits=Limits(min=-0.1, max=0.1), reference_angle=math.tau + 1),
+            )
+        ),
+        "Widen limits",
     ),
 }
 

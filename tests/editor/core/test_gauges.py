@@ -5,9 +5,11 @@ import math
 import pytest
 
 from editor.base.overlay import Arc, HandleKind
+from editor.documents.commands.fields import read_field
 from editor.editing.gauges import KINDS, handles_of, limit_base, marks_of
 from editor.editing.picking import joint_position
-from kinetix.level.model import Limits
+from editor.window.panels.number_info import field_info
+from kinetix.level.model import Body, Joint, Level, Limits, Thruster
 from tests.editor.core.helpers import Hand, a_level, a_session
 
 
@@ -115,6 +117,30 @@ def test_a_typed_number_is_the_value(kind, selection, typed, value):
     hand.type(typed)
     hand.release((x, y + 0.05))
     assert value(session.document.level)
+
+
+@pytest.mark.parametrize(
+    ("kind", "selection", "record", "field"),
+    [
+        (HandleKind.POWER, (6,), Thruster, "power"),
+        (HandleKind.MOTOR, (5,), Joint, "motor.speed"),
+        (HandleKind.LIMIT_MAX, (5,), Joint, "limits.max"),
+        (HandleKind.SPIN, (3,), Body, "angular_velocity"),
+        (HandleKind.GRAVITY, (), Level, "gravity.1"),
+    ],
+)
+def test_a_typed_number_stops_where_the_model_does(kind, selection, record, field):
+    session = a_session(limited())
+    session.selection = selection
+    hand = Hand(session)
+    x, y = place(session, kind)
+    hand.press((x, y))
+    hand.hold((x, y + 0.05))
+    hand.type("987654321")
+    hand.release((x, y + 0.05))
+    level = session.document.level
+    changed = level.entity(selection[0]) if selection else level
+    assert abs(read_field(changed, field)) == field_info(record, field).high
 
 
 def test_fixed_bodies_welds_and_groups_have_none():

@@ -12,6 +12,14 @@ from editor.editing import gauges
 from editor.editing.picking import joint_position, thruster_position
 from editor.editing.snapping import snap_angle
 from editor.editing.tools.base import Feedback, Gesture, ToolContext
+from kinetix.level.extremes import (
+    FASTEST,
+    FASTEST_MOTOR,
+    FASTEST_SPIN,
+    STRONGEST_GRAVITY,
+    STRONGEST_THRUSTER,
+    WIDEST_LIMIT,
+)
 from kinetix.level.model import Joint, Level, Limits, Motor
 
 SPEED_STEP: Final = 0.05
@@ -24,11 +32,6 @@ GRAVITY_STEP: Final = 0.1
 """Step of gravity [m/s²]; with Ctrl there are no steps."""
 MOTOR_MOST: Final = 3.4
 """Beyond this speed the arc would cover its own beginning."""
-
-SPEED_MOST: Final = 20.0
-"""Largest speed of a motor that a level can have."""
-LIMIT_MOST: Final = 100.0
-"""Largest limit of a joint's angle that a level can have [rad]."""
 
 _Change = tuple[Command, str]
 
@@ -52,9 +55,9 @@ def _rounded(value: float, step: float, event: PointerEvent) -> float:
     return round(value, 6) if event.modifiers.ctrl else round(round(value / step) * step, 6)
 
 
-def _length(event: PointerEvent, dragged: float) -> float:
+def _length(event: PointerEvent, dragged: float, most: float) -> float:
     """Return the length of an arrow: as dragged or typed; where it points, the pointer says."""
-    return min(abs(event.typed[0]) if event.typed else dragged, 100.0)
+    return min(abs(event.typed[0]) if event.typed else dragged, most)
 
 
 def _joint(session: ToolContext, level: Level) -> Joint:
@@ -74,7 +77,7 @@ def _limit(which: str) -> Callable[[ToolContext, Level, PointerEvent], _Change]:
         together = limits.max - limits.min < 1e-6
         end = ("max" if turn > 0 else "min") if together else which
         if event.typed:
-            value = min(max(math.radians(event.typed[0]), -LIMIT_MOST), LIMIT_MOST)
+            value = min(max(math.radians(event.typed[0]), -WIDEST_LIMIT), WIDEST_LIMIT)
         elif not event.modifiers.ctrl:
             value = snap_angle(value, session.angle_step)
         value = min(value, limits.max) if end == "min" else max(value, limits.min)
@@ -93,7 +96,7 @@ def _motor(session: ToolContext, level: Level, event: PointerEvent) -> _Change:
     before = motor.speed * gauges.MOTOR_SWEEP
     swept = before + math.remainder(pointed - before, math.tau)
     speed = _rounded(swept / gauges.MOTOR_SWEEP, SPEED_STEP, event)
-    most = SPEED_MOST if event.typed else MOTOR_MOST
+    most = FASTEST_MOTOR if event.typed else MOTOR_MOST
     speed = min(max(event.typed[0] if event.typed else speed, -most), most)
     return SetField(ids=(joint.id,), field="motor.speed", value=speed), f"speed {speed:.2f}"
 
@@ -103,7 +106,7 @@ def _power(session: ToolContext, level: Level, event: PointerEvent) -> _Change:
     at, back = thruster_position(level, thruster), gauges.thruster_direction(level, thruster)
     along = (at[0] - event.world[0]) * math.cos(back) + (at[1] - event.world[1]) * math.sin(back)
     power = _rounded(gauges.power_of(along, session.metres), POWER_STEP, event)
-    power = min(max(event.typed[0] if event.typed else power, 0.0), 100.0)
+    power = min(max(event.typed[0] if event.typed else power, 0.0), STRONGEST_THRUSTER)
     return SetField(ids=(thruster.id,), field="power", value=power), f"power {power:.2f}"
 
 
@@ -112,7 +115,7 @@ def _velocity(session: ToolContext, level: Level, event: PointerEvent) -> _Chang
     dx, dy = event.world[0] - body.position[0], event.world[1] - body.position[1]
     clear = gauges.clearance(body, session.metres)
     speed = max(math.hypot(dx, dy) - clear, 0.0) / gauges.VELOCITY_SECONDS
-    speed = _length(event, _rounded(speed, VELOCITY_STEP, event))
+    speed = _length(event, _rounded(speed, VELOCITY_STEP, event), FASTEST)
     angle = math.atan2(dy, dx)
     if not event.modifiers.ctrl:
         angle = snap_angle(angle, session.angle_step)
@@ -129,7 +132,7 @@ def _spin(session: ToolContext, level: Level, event: PointerEvent) -> _Change:
     before = body.angular_velocity * gauges.SPIN_SWEEP
     swept = before + math.remainder(pointed - before, math.tau)
     spin = _rounded(swept / gauges.SPIN_SWEEP, SPIN_STEP, event)
-    spin = min(max(event.typed[0] if event.typed else spin, -50.0), 50.0)
+    spin = min(max(event.typed[0] if event.typed else spin, -FASTEST_SPIN), FASTEST_SPIN)
     command = SetField(ids=(body.id,), field="angular_velocity", value=spin)
     return command, f"{spin:.2f} rad/s"
 
@@ -138,7 +141,8 @@ def _gravity(session: ToolContext, level: Level, event: PointerEvent) -> _Change
     del level
     x = (event.world[0] - gauges.GRAVITY_AT[0]) / gauges.GRAVITY_METRES
     y = (event.world[1] - gauges.GRAVITY_AT[1]) / gauges.GRAVITY_METRES
-    strength = _length(event, _rounded(math.hypot(x, y), GRAVITY_STEP, event))
+    dragged = _rounded(math.hypot(x, y), GRAVITY_STEP, event)
+    strength = _length(event, dragged, STRONGEST_GRAVITY)
     angle = math.atan2(y, x)
     if not event.modifiers.ctrl:
         angle = snap_angle(angle, session.angle_step)
