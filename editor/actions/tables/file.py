@@ -81,7 +81,7 @@ FILE: Final = (
     ),
     Action(
         id="file.undiscard",
-        label="Bring Back",
+        label="Bring Back Discarded Work",
         menu="File",
         tooltip="Unsaved work that was discarded at the start, out of the trash.",
         enabled=recover.can_bring_back,
