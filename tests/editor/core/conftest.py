@@ -4,7 +4,8 @@ import types
 
 import pytest
 
-from tests.editor.core.helpers import Hand, a_session
+from kinetix.level.codec import save_level
+from tests.editor.core.helpers import Hand, a_level, a_session
 
 
 @pytest.fixture(autouse=True)
@@ -25,6 +26,14 @@ def no_training(monkeypatch):
     """No test trains for real by trying an action: the process ends as soon as it is begun."""
     ended = types.SimpleNamespace(poll=lambda: 0, send_signal=lambda sig: None)
     monkeypatch.setattr("editor.agents.local_training.start_process", lambda words, log: ended)
+
+
+@pytest.fixture
+def path(tmp_path):
+    """The file of a level of the user's."""
+    path = tmp_path / "mine.json"
+    save_level(a_level(), path)
+    return path
 
 
 @pytest.fixture

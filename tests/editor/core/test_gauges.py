@@ -90,6 +90,19 @@ def test_motor_speed_power_velocity_spin_and_gravity_are_dragged_and_undone():
         assert value(document.level) == before
 
 
+def after_typing(kind, selection, typed):
+    """The level once a handle was dragged a little and a number was typed meanwhile."""
+    session = a_session(limited())
+    session.selection = selection
+    hand = Hand(session)
+    x, y = place(session, kind)
+    hand.press((x, y))
+    hand.hold((x, y + 0.05))
+    hand.type(typed)
+    hand.release((x, y + 0.05))
+    return session.document.level
+
+
 @pytest.mark.parametrize(
     ("kind", "selection", "typed", "value"),
     [
@@ -108,15 +121,7 @@ def test_motor_speed_power_velocity_spin_and_gravity_are_dragged_and_undone():
     ],
 )
 def test_a_typed_number_is_the_value(kind, selection, typed, value):
-    session = a_session(limited())
-    session.selection = selection
-    hand = Hand(session)
-    x, y = place(session, kind)
-    hand.press((x, y))
-    hand.hold((x, y + 0.05))
-    hand.type(typed)
-    hand.release((x, y + 0.05))
-    assert value(session.document.level)
+    assert value(after_typing(kind, selection, typed))
 
 
 @pytest.mark.parametrize(
@@ -130,15 +135,7 @@ def test_a_typed_number_is_the_value(kind, selection, typed, value):
     ],
 )
 def test_a_typed_number_stops_where_the_model_does(kind, selection, record, field):
-    session = a_session(limited())
-    session.selection = selection
-    hand = Hand(session)
-    x, y = place(session, kind)
-    hand.press((x, y))
-    hand.hold((x, y + 0.05))
-    hand.type("987654321")
-    hand.release((x, y + 0.05))
-    level = session.document.level
+    level = after_typing(kind, selection, "987654321")
     changed = level.entity(selection[0]) if selection else level
     assert abs(read_field(changed, field)) == field_info(record, field).high
 

@@ -30,13 +30,6 @@ MOVE = Move(ids=(3,), shift=(0.25, 0.0))
 
 
 @pytest.fixture
-def path(tmp_path):
-    path = tmp_path / "mine.json"
-    save_level(a_level(), path)
-    return path
-
-
-@pytest.fixture
 def drawing(path):
     """A session with a file open, whose random levels are a level of the tests."""
     session = Session(worker=Worker(perform=lambda request, progress: a_level()))

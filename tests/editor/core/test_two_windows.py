@@ -15,13 +15,6 @@ from tests.editor.core.helpers import a_level, a_session, texts
 MOVE = Move(ids=(3,), shift=(0.25, 0.0))
 
 
-@pytest.fixture
-def path(tmp_path):
-    path = tmp_path / "mine.json"
-    save_level(a_level(), path)
-    return path
-
-
 def change_outside(path, name="theirs"):
     stamp = path.stat().st_mtime_ns
     save_level(a_level().replace(name=name), path)
