@@ -205,7 +205,12 @@ class Document:
     @property
     def untouched(self) -> bool:
         """True if nothing is lost with it: no file, no change, nothing to undo."""
-        return self.path is None and not self.dirty and len(self._history.entries) == 1
+        return self.path is None and not self.dirty and not self.edited
+
+    @property
+    def edited(self) -> bool:
+        """True if it was changed since it was opened, whether that was saved or undone or not."""
+        return len(self._history.entries) > 1
 
     @property
     def title(self) -> str:

@@ -121,8 +121,11 @@ def changed_outside(document: Document) -> bool:
 
 
 def nowhere(document: Document) -> bool:
-    """Return whether a document that seems saved is in no file: that was replaced or removed."""
-    if document.dirty or not changed_outside(document):
+    """Return whether work that seems saved is in no file: that was replaced or removed.
+
+    What was opened and never edited is no work of this window: another version took its place.
+    """
+    if document.dirty or not document.edited or not changed_outside(document):
         return False
     assert document.path is not None
     try:

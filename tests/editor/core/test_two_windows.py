@@ -65,7 +65,9 @@ def test_a_level_that_another_window_replaced_is_asked_about(path):
 
 def test_a_tab_whose_file_was_replaced_is_asked_about(path, tmp_path):
     save_level(a_level(), tmp_path / "other.json")
-    session = opened(path, tmp_path / "other.json")
+    session = opened(tmp_path / "other.json", path)
+    session.execute(MOVE)
+    actions.run(session, "file.save")
     change_outside(path)
     tab = session.tabs[session.tabs.locate(path)]
     actions.file.close_tab(session, tab)
@@ -74,9 +76,20 @@ def test_a_tab_whose_file_was_replaced_is_asked_about(path, tmp_path):
     assert tab not in session.tabs
 
 
+def test_a_newer_version_of_a_level_that_was_only_looked_at_is_not_asked_about(path):
+    session = opened(path)
+    change_outside(path)
+    actions.run(session, "file.quit")
+    assert session.quitting
+
+
 def test_a_file_that_says_the_same_is_not_asked_about(path):
     session = opened(path)
-    change_outside(path, name="Test")
+    session.execute(MOVE)
+    actions.run(session, "file.save")
+    save_level(session.document.level, path)
+    stamp = path.stat().st_mtime_ns
+    os.utime(path, ns=(stamp + 10**9, stamp + 10**9))
     actions.run(session, "file.quit")
     assert session.quitting
 
