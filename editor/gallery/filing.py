@@ -140,7 +140,7 @@ def throw_away(path: Path) -> Trashed:
             note.write_text(f"[Trash Info]\nPath={origin}\nDeletionDate={when}\n")
         _move(path, target, note)
     except OSError as error:
-        raise LevelError(f"{path}: cannot be deleted: {error.strerror or error}") from error
+        raise LevelError(f"{path}: cannot be deleted: {_reason(error)}") from error
     return Trashed(origin=path, file=target, note=note)
 
 
@@ -189,11 +189,21 @@ def bring_back(thrown: Trashed) -> None:
     try:
         _carry(thrown.file, thrown.origin)
     except OSError as error:
+        stays = f"; it stays in {thrown.file}" if os.path.lexists(thrown.file) else ""
         raise LevelError(
-            f"{thrown.origin}: cannot be brought back: {error.strerror or error}"
+            f"{thrown.origin}: cannot be brought back: {_reason(error)}{stays}"
         ) from error
     if thrown.note is not None:
         thrown.note.unlink(missing_ok=True)
+
+
+def _reason(error: OSError) -> str:
+    """Return why something cannot be moved; of a folder the reason of its first file."""
+    told = error.args[0] if isinstance(error, shutil.Error) and error.args else None
+    if isinstance(told, list) and told:
+        _, _, first = told[0]
+        return str(first).removeprefix("[Errno ").partition("] ")[2] or str(first)
+    return error.strerror or str(error)
 
 
 def _trash() -> tuple[Path, Path | None]:

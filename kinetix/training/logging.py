@@ -1,16 +1,17 @@
 """Destinations of metrics: files in the run's own directory, and services on request."""
 
+import contextlib
 import csv
 import io
 import json
 import math
 import os
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Any, Final, Protocol
 
 from kinetix.files.atomic import write_atomically
-from kinetix.files.regular import read_bytes
+from kinetix.files.regular import FileError, read_bytes
 from kinetix.training.config import PpoConfig
 from kinetix.training.events import EventFile
 from kinetix.training.films import drop_films, stored_films
@@ -93,6 +94,9 @@ class MetricsLog:
 
         Args:
             metrics: By name; must have the two columns that count.
+
+        Raises:
+            FileError: It cannot be written.
         """
         row = {name: value for name, value in metrics.items() if math.isfinite(value)}
         _append(self._path, json.dumps(row) + "\n")
@@ -102,7 +106,8 @@ class MetricsLog:
             rows = read_metrics(self._path.parent)
             self._columns = _columns(rows)
             write_atomically(self._csv, _csv_text(rows, self._columns).encode())
-        self._events.write(row)
+        with _named(self._path.with_name(TENSORBOARD)):
+            self._events.write(row)
 
     def film(self, steps: int, film: Path) -> None:
         """Show a film among TensorBoard's pictures.
@@ -110,8 +115,12 @@ class MetricsLog:
         Args:
             steps: Environment steps after which it was made.
             film: A GIF, which lies in the run's directory.
+
+        Raises:
+            FileError: It cannot be written.
         """
-        self._events.film(steps, film)
+        with _named(self._path.with_name(TENSORBOARD)):
+            self._events.film(steps, film)
 
     def close(self) -> None:
         """Write out what is buffered."""
@@ -120,10 +129,26 @@ class MetricsLog:
 
 def _append(path: Path, text: str) -> None:
     """Add to a file, and have it on the disk before anything that builds on it."""
-    with path.open("a", encoding="utf-8", newline="") as file:
+    with _named(path), path.open("a", encoding="utf-8", newline="") as file:
         file.write(text)
         file.flush()
         os.fsync(file.fileno())
+
+
+@contextlib.contextmanager
+def _named(path: Path) -> Iterator[None]:
+    """Let an error of the system name the file, which writes and full disks leave out.
+
+    Raises:
+        FileError: There was one.
+    """
+    try:
+        yield
+    except OSError as error:
+        why = error.strerror or str(error)
+        raise FileError(
+            path, f"cannot be written: {why}; after that is mended, the same command goes on"
+        ) from error
 
 
 def _csv_text(rows: list[dict[str, float]], columns: list[str], *, header: bool = True) -> str:

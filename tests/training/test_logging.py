@@ -1,7 +1,9 @@
 """Metrics: three files with the same numbers, and nothing of what is to be done again."""
 
 import csv
+import errno
 import json
+import os
 import struct
 import sys
 from types import SimpleNamespace
@@ -214,6 +216,19 @@ def test_without_the_extra_one_sentence_names_it(tmp_path, monkeypatch):
         open_sinks(tmp_path, PpoConfig(wandb_project="mine"))
     (only,) = open_sinks(tmp_path, PpoConfig())
     only.close()
+
+
+def test_a_row_that_cannot_be_written_names_its_file(run, monkeypatch):
+    log = MetricsLog(run)
+
+    def full(number):
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    with monkeypatch.context() as patched:
+        patched.setattr("os.fsync", full)
+        with pytest.raises(KinetixError, match=r"metrics\.jsonl: cannot be written: No space left"):
+            log.write(_row(4))
+    log.close()
 
 
 def test_films_of_levels_whose_names_are_alike_have_files_of_their_own():

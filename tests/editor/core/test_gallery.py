@@ -3,6 +3,8 @@
 import dataclasses
 import errno
 import json
+import os
+import shutil
 import time
 from pathlib import Path
 
@@ -420,6 +422,34 @@ def test_a_folder_is_thrown_away_to_another_disk_or_stays_whole(folder, tmp_path
     assert not agent.exists()
     filing.bring_back(thrown)
     assert (agent / "checkpoints" / "params").read_text() == "1"
+
+
+def on_a_full_disk(source, target, symlinks):
+    """What `shutil.copytree` raises there: every file with its reason."""
+    Path(target).mkdir(parents=True)
+    reason = f"[Errno {errno.ENOSPC}] {os.strerror(errno.ENOSPC)}"
+    raise shutil.Error([(str(file), str(target), reason) for file in Path(source).iterdir()])
+
+
+def test_a_folder_that_fits_on_no_disk_is_told_in_a_few_words(folder, tmp_path, monkeypatch):
+    monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path / "data"))
+    agent = tmp_path / "agent"
+    agent.mkdir()
+    for name in ("params", "meta"):
+        (agent / name).write_text("1")
+    monkeypatch.setattr("editor.gallery.filing.os.rename", on_another_disk)
+    with monkeypatch.context() as patched:
+        patched.setattr("shutil.copytree", on_a_full_disk)
+        with pytest.raises(LevelError, match=r"agent: cannot be deleted: No space left on device$"):
+            filing.throw_away(agent)
+    thrown = filing.throw_away(agent)
+    with monkeypatch.context() as patched:
+        patched.setattr("shutil.copytree", on_a_full_disk)
+        told = rf"cannot be brought back: No space left on device; it stays in {thrown.file}$"
+        with pytest.raises(LevelError, match=told):
+            filing.bring_back(thrown)
+    filing.bring_back(thrown)
+    assert (agent / "params").read_text() == "1"
 
 
 def test_a_delete_that_fails_leaves_nothing_in_the_trash(folder, tmp_path, monkeypatch):
