@@ -29,7 +29,7 @@ from kinetix.pytree import pytree
 
 
 @pytree
-class Held:
+class WayLeft:
     """What walls leave of the ways of bodies. What is jointed together is held together."""
 
     share: Float[Array, "b n"]
@@ -45,7 +45,7 @@ def held_by_walls(
     points: Points,
     end: Vec,
     dt: Float[Array, " n"],
-) -> Held:
+) -> WayLeft:
     """Find who would enter a fixed polygon with its centre, and where it ends instead.
 
     Args:
@@ -62,13 +62,13 @@ def held_by_walls(
     moves = world.bodies.active & (world.bodies.inverse_mass > 0)
     fast = (moves & (way > within))[ARENA_BODIES:]
     nothing = jnp.zeros_like(way)
-    free = Held(share=jnp.ones_like(way), back=Vec(x=nothing, y=nothing))
+    free = WayLeft(share=jnp.ones_like(way), back=Vec(x=nothing, y=nothing))
     numbers = jnp.arange(len(way), dtype=jnp.int32)[:, None]
 
-    def stopped() -> Held:
+    def stopped() -> WayLeft:
         bodies, valid = compact(fast, len(fast))
 
-        def visit(k: Int[Array, ""], held: Held) -> Held:
+        def visit(k: Int[Array, ""], held: WayLeft) -> WayLeft:
             body = row(bodies, k) + ARENA_BODIES
             found = _held_one(world, state, polygons, points, (move, within), body)
             here = (numbers == body) & row(valid, k)
@@ -77,7 +77,7 @@ def held_by_walls(
         return _together(world, InUse.of((valid, 1)).each(visit, free))
 
     held = jax.lax.cond(jnp.any(fast), stopped, lambda: free)
-    return Held(share=held.share, back=held.back * (constants.PUSH_SPEED * dt))
+    return WayLeft(share=held.share, back=held.back * (constants.PUSH_SPEED * dt))
 
 
 def _held_one(
@@ -87,7 +87,7 @@ def _held_one(
     points: Points,
     ways: tuple[Vec, Float[Array, "b n"]],
     body: Int[Array, "1 n"],
-) -> Held:
+) -> WayLeft:
     """What is left to one body; it ends where half of it touches the polygon at the latest.
 
     What it touches there is its inner circle of half the size: a contact for the next step to see.
@@ -126,7 +126,7 @@ def _held_one(
     beyond = _pushed_beyond(points, body, motion, side) & (height > 0) & stops
     share = jnp.where(beyond, 0, jnp.where(crosses, share, 1))
     back = maths.where(beyond, side, Vec(x=jnp.zeros_like(height), y=jnp.zeros_like(height)))
-    return Held(
+    return WayLeft(
         share=jnp.min(share, axis=0, keepdims=True),
         back=Vec(x=back.x.sum(axis=0, keepdims=True), y=back.y.sum(axis=0, keepdims=True)),
     )
@@ -157,17 +157,17 @@ def _pushed_beyond(
     return InUse.of((deep, 1)).each(visit, jnp.zeros(motion.x.shape, bool))
 
 
-def _together(world: World, held: Held) -> Held:
+def _together(world: World, held: WayLeft) -> WayLeft:
     """Hold what is jointed together: the least share of all, and the way back of any of them."""
     if world.joints.active.shape[0] == 0:
         return held
 
-    def join(k: Int[Array, ""], found: Held) -> Held:
+    def join(k: Int[Array, ""], found: WayLeft) -> WayLeft:
         together = ~row(world.collides, k)[0]
         back = Vec(x=row(held.back.x, k), y=row(held.back.y, k))
         moved = together & ((back.x != 0) | (back.y != 0))
         share = jnp.minimum(found.share, row(held.share, k))
-        return Held(
+        return WayLeft(
             share=jnp.where(together, share, found.share),
             back=maths.where(moved, back, found.back),
         )

@@ -192,7 +192,7 @@ def test_a_save_that_fails_asks_again_with_the_name_that_was_typed(drawn, tmp_pa
     drawn.key("ctrl+s")
     drawn.frames(4)
 
-    def full(*_):
+    def full(*_, **__):
         raise LevelError("the disk is full")
 
     with monkeypatch.context() as patch:
