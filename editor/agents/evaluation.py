@@ -132,7 +132,7 @@ class Evaluation:
         """The plan and the standing that `_computed` is about."""
         self._computed: dict[str, Any] = {}
         self.ended: list[tuple[Plan, Standing]] = []
-        """What has come to its end, also to an early one, until its results are kept."""
+        """Evaluations that are over or cancelled, until the gallery has kept their results."""
 
     @property
     def running(self) -> bool:

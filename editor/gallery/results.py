@@ -78,7 +78,7 @@ class Results:
         self._stored = stored
         self._levels: dict[str, dict[Trial, Record]] | None = None if stored else {}
         self._foreign: dict[str, Any] = {}
-        """What the file has besides, of a newer version perhaps: written back as it is."""
+        """Entries that this version does not understand: they are written back unchanged."""
         self._unwritten: dict[str, dict[Trial, Record]] = {}
         """Records that the file does not have yet; the next write adds them."""
         self._seen: tuple[int, int, int] | None = None

@@ -40,7 +40,7 @@ _BUTTONS: Final = {
 }
 
 _Source: TypeAlias = tuple[int, str, str]
-"""What can be pushed on its own: a pad, the stick or button of it, and the name that it gives."""
+"""The number of a pad, its stick or button, and the name of the key that this stands for."""
 
 
 class Gamepads:

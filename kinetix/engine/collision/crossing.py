@@ -30,7 +30,7 @@ from kinetix.pytree import pytree
 
 @pytree
 class WayLeft:
-    """What walls leave of the ways of bodies. What is jointed together is held together."""
+    """How far each body may go in a step. Bodies that are jointed together stop together."""
 
     share: Float[Array, "b n"]
     """Of the way; 1 where nothing is in it."""
@@ -88,9 +88,9 @@ def _held_one(
     ways: tuple[Vec, Float[Array, "b n"]],
     body: Int[Array, "1 n"],
 ) -> WayLeft:
-    """What is left to one body; it ends where half of it touches the polygon at the latest.
+    """Find how far one body may go, and where it is pushed back to.
 
-    What it touches there is its inner circle of half the size: a contact for the next step to see.
+    Its inner circle may overlap a polygon by half: the next step finds a contact there.
 
     Args:
         world: The worlds.

@@ -17,7 +17,7 @@ ANCHOR_TOLERANCE: Final = 1e-3
 ANGLE_TOLERANCE: Final = 1e-3
 """Difference of a weld's angle from the one that it holds that counts as none [rad]."""
 LIMIT_TOLERANCE: Final = math.radians(1.0)
-"""How far outside its limits a hinge may be drawn: nobody sees it turned back [rad]."""
+"""A hinge that is drawn less than this outside its limits gets no warning [rad]."""
 
 
 def role_issues(level: Level) -> Iterator[Issue]:

@@ -425,7 +425,7 @@ def test_a_folder_is_thrown_away_to_another_disk_or_stays_whole(folder, tmp_path
 
 
 def on_a_full_disk(source, target, symlinks):
-    """What `shutil.copytree` raises there: every file with its reason."""
+    """Fail as `shutil.copytree` does there: one error lists every file with its reason."""
     Path(target).mkdir(parents=True)
     reason = f"[Errno {errno.ENOSPC}] {os.strerror(errno.ENOSPC)}"
     raise shutil.Error([(str(file), str(target), reason) for file in Path(source).iterdir()])

@@ -1,4 +1,4 @@
-"""What two windows keep at the same moment: each change waits for the other's."""
+"""Two windows that write one state file at the same moment lose nothing of each other's."""
 
 import threading
 import time
