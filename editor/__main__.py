@@ -255,9 +255,15 @@ def _open_files(options: Options, session: Session) -> None:
 
 
 def _tell_of_settings(session: Session) -> None:
-    """Say that the settings could not be read: the first change of one writes the file anew."""
-    from editor.actions import file
+    """Say what of the user's own settings and languages could not be read.
 
+    The first change of a setting writes its file anew.
+    """
+    from editor.actions import file
+    from editor.base import language
+
+    for fault in language.own_faults():
+        session.toast(fault, "warning")
     if session.keeper.fault:
         told = (
             f"{session.keeper.fault}. The app starts with the usual settings. Mend the file now: "

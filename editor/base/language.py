@@ -14,7 +14,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Final
 
-from editor.base.state_file import read_state
+from editor.base.state_file import read_state, state_fault
 from kinetix.paths import config_dir
 
 ENGLISH: Final = "en"
@@ -185,6 +185,46 @@ def read_words(code: str) -> dict[str, str]:
                     if isinstance(other, str) and other and _same_holes(str(english), other)
                 }
     return words
+
+
+def own_faults() -> list[str]:
+    """Return a sentence about each file of the user's of which not everything can be used."""
+    return [
+        fault
+        for path in sorted((config_dir() / "languages").glob("*.json"))
+        if (fault := _fault(path))
+    ]
+
+
+def _fault(path: Path) -> str:
+    if not _CODE.fullmatch(path.stem) or path.stem == ENGLISH:
+        return (
+            f"{path}: expected the code of a language as its name, 2 to 16 letters and digits, as "
+            f"pt-BR, and not {ENGLISH}"
+        )
+    fault = state_fault(path)
+    if fault:
+        return fault
+    content = _content(path)
+    name, words = content.get("name"), content.get("words")
+    if not isinstance(name, str) or not name:
+        return f"{path}: $.name: expected the language's name"
+    if not isinstance(words, dict):
+        return (
+            f"{path}: $.words: expected an object, the other language's words by the English ones"
+        )
+    passed_over = [
+        english
+        for english, other in words.items()
+        if not isinstance(other, str) or not _same_holes(english, other)
+    ]
+    if passed_over:
+        more = f", and of {len(passed_over) - 1} more" if passed_over[1:] else ""
+        return (
+            f'{path}: $.words["{passed_over[0]}"]: expected text with no other hole than the '
+            f"English words have; these words stay English{more}"
+        )
+    return ""
 
 
 def _same_holes(english: str, other: str) -> bool:

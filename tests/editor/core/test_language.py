@@ -11,7 +11,7 @@ import editor
 import kinetix
 from editor.actions import ACTIONS
 from editor.base import language
-from editor.base.language import Language, languages, read_words, tr, use
+from editor.base.language import Language, languages, own_faults, read_words, tr, use
 from editor.toolkit.appearance import Icons
 
 HOLE = re.compile(r"\{\d\}")
@@ -123,6 +123,33 @@ def test_a_damaged_file_is_english(tmp_path, monkeypatch, text):
     (tmp_path / "xx.json").write_text(text)
     use("xx")
     assert tr("Save") == "Save"
+
+
+@pytest.mark.parametrize(
+    "name, text, told",
+    [
+        ("xx", "{", "JSON"),
+        ("xx", '{"words": {}}', r"\$\.name"),
+        ("xx", '{"name": "X", "words": 4}', r"\$\.words"),
+        ("xx", '{"name": "X", "words": {"Save": 4}}', r'\$\.words\["Save"\]'),
+        ("xx", '{"name": "X", "words": {"a": "{0}", "b": 1, "c": "d"}}', "and of 1 more"),
+        ("en", '{"name": "X", "words": {}}', "code of a language"),
+        ("a b", '{"name": "X", "words": {}}', "code of a language"),
+        ("xx", '{"name": "X", "words": {"Save": "S", "{0} selected": "{0} s"}}', None),
+    ],
+)
+def test_what_a_file_of_the_users_lacks_is_told(tmp_path, monkeypatch, name, text, told):
+    monkeypatch.setattr("editor.base.language.config_dir", lambda: tmp_path)
+    path = tmp_path / "languages" / f"{name}.json"
+    assert own_faults() == []
+    path.parent.mkdir()
+    path.write_text(text)
+    if told is None:
+        assert own_faults() == []
+    else:
+        (fault,) = own_faults()
+        assert fault.startswith(f"{path}: ")
+        assert re.search(told, fault)
 
 
 @pytest.mark.parametrize("code", OWN)
