@@ -5,13 +5,36 @@ import json
 import os
 from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 from kinetix.errors import LevelError
 from kinetix.files.atomic import write_atomically, write_with_backup
 from kinetix.files.json_text import parse
 from kinetix.files.lock import held_briefly
 from kinetix.files.regular import FileError, read_text
+from kinetix.paths import state_dir
+
+
+class Kept:
+    """What is kept in one file of the user's state folder, or, in scripted runs, in none."""
+
+    FILE: ClassVar[str]
+    """Name of the file."""
+
+    def __init__(self, path: Path | None = None, *, stored: bool = True) -> None:
+        """Begin; nothing is read yet.
+
+        Args:
+            path: The file; by default the user's own.
+            stored: Whether there is a file at all; scripted runs leave no traces.
+        """
+        self._path = path
+        self._stored = stored
+
+    @property
+    def path(self) -> Path:
+        """The file."""
+        return self._path or state_dir() / self.FILE
 
 
 @contextlib.contextmanager

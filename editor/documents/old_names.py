@@ -7,28 +7,18 @@ with the last of them the file goes.
 from collections.abc import Mapping
 from pathlib import Path
 
-from editor.base.state_file import read_state, write_state
+from editor.base.state_file import Kept, read_state, write_state
 from kinetix.level.model import MAX_NAME, Level
-from kinetix.paths import state_dir
 
 
-class OldNames:
+class OldNames(Kept):
     """The names by level file and id; read once."""
 
+    FILE = "names.json"
+
     def __init__(self, path: Path | None = None, *, stored: bool = True) -> None:
-        """Start with what the file says.
-
-        Args:
-            path: The file; by default the user's own.
-            stored: Whether to look for a file at all; scripted runs do not.
-        """
-        self._path = path
+        super().__init__(path, stored=stored)
         self._files: dict[str, dict[int, str]] | None = None if stored else {}
-
-    @property
-    def path(self) -> Path:
-        """The file."""
-        return self._path or state_dir() / "names.json"
 
     def of(self, level_file: Path) -> Mapping[int, str]:
         """Return the names that wait for a level, by id."""

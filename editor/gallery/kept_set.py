@@ -5,33 +5,22 @@ from pathlib import Path
 from typing import Any, Final
 
 from editor.base.settings import merged_keys
-from editor.base.state_file import alone, read_state, write_state
+from editor.base.state_file import Kept, alone, read_state, write_state
 from kinetix.files.names import is_text
-from kinetix.paths import state_dir
 
 WEIGHTS: Final = (0.01, 100.0)
 """The least and the greatest weight of a level."""
 
 
-class KeptSet:
+class KeptSet(Kept):
     """Writes the set when it has changed; what another window has put together meanwhile stays."""
 
-    def __init__(self, path: Path | None = None, *, stored: bool = True) -> None:
-        """Begin; nothing is read yet.
+    FILE = "set.json"
 
-        Args:
-            path: The file; by default the user's own.
-            stored: Whether there is a file at all; scripted runs leave no traces.
-        """
-        self._path = path
-        self._stored = stored
+    def __init__(self, path: Path | None = None, *, stored: bool = True) -> None:
+        super().__init__(path, stored=stored)
         self._written: dict[str, float] = {}
         self._tried: dict[str, float] = {}
-
-    @property
-    def path(self) -> Path:
-        """The file."""
-        return self._path or state_dir() / "set.json"
 
     def read(self) -> dict[str, float]:
         """Return the levels with their weights; what is broken in the file is passed over."""

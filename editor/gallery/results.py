@@ -11,8 +11,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Final
 
-from editor.base.state_file import alone, read_state, state_fault, write_state
-from kinetix.paths import state_dir
+from editor.base.state_file import Kept, alone, read_state, state_fault, write_state
 
 HUMAN: Final = "you"
 """The name under which the user's own episodes are kept."""
@@ -64,18 +63,13 @@ class Trial:
         return ", ".join(part for part in parts if part)
 
 
-class Results:
+class Results(Kept):
     """Records by level hash and trial; every change keeps what another window has written."""
 
-    def __init__(self, path: Path | None = None, *, stored: bool = True) -> None:
-        """Start with what the file says.
+    FILE = "results.json"
 
-        Args:
-            path: The file; by default the user's own.
-            stored: Whether there is a file at all; scripted runs leave no traces.
-        """
-        self._path = path
-        self._stored = stored
+    def __init__(self, path: Path | None = None, *, stored: bool = True) -> None:
+        super().__init__(path, stored=stored)
         self._levels: dict[str, dict[Trial, Record]] | None = None if stored else {}
         self._foreign: dict[str, Any] = {}
         """Entries that this version does not understand: they are written back unchanged."""
@@ -86,11 +80,6 @@ class Results:
         self.revision = 0
         """Rises with every change, so that lists know when to look again."""
         self._fault = self._told_fault = ""
-
-    @property
-    def path(self) -> Path:
-        """The file."""
-        return self._path or state_dir() / "results.json"
 
     @property
     def players(self) -> tuple[str, ...]:

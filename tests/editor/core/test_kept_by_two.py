@@ -32,8 +32,8 @@ def keeps_settings(path, name):
 
 
 def keeps_a_set(path, name):
-    kept, levels = KeptSet(path), {}
-    kept.read()
+    kept = KeptSet(path)
+    levels = kept.read()
     for number in range(ROUNDS):
         levels = {**levels, f"/{name} {number}": 1.0}
         kept.keep(levels)
@@ -49,6 +49,8 @@ def keeps_a_set(path, name):
     ],
 )
 def test_nothing_is_lost(tmp_path, keeps, count, monkeypatch):
+    # A slow machine is not what is tested.
+    monkeypatch.setattr("kinetix.files.lock._LONGEST_WAIT", 60.0)
     path = tmp_path / "kept.json"
     for module in ("base.settings", "gallery.results", "gallery.kept_set"):
         monkeypatch.setattr(f"editor.{module}.read_state", slow_read)
