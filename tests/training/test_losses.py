@@ -1,5 +1,7 @@
 """Advantages, losses and schedules against numbers worked out by hand."""
 
+import dataclasses
+
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -12,7 +14,7 @@ from kinetix.agents.networks.distributions import action_head
 from kinetix.agents.networks.heads import HEAD
 from kinetix.agents.networks.recurrent import initial_carry
 from kinetix.engine.machine import whole_batches
-from kinetix.training.config import PpoConfig
+from kinetix.training.config import PpoConfig, ReplayConfig
 from kinetix.training.ppo import update
 from kinetix.training.ppo.losses import (
     generalised_advantages,
@@ -248,6 +250,25 @@ def test_the_teacher_pulls_less_and_less():
     assert strayed(0) < 0.5 * strayed(5)
     # Half of the ten updates are over: nothing pulls any more.
     assert strayed(5) == strayed(9)
+
+
+def test_limits_of_a_fine_tuning_count_updates_however_many_rollouts_one_has():
+    sizes = {"num_train_envs": 4, "num_steps": 8, "num_minibatches": 1, "network": _FLAT}
+    config = ReplayConfig(**sizes, critic_warmup=1, total_timesteps=8 * 4 * 4 * 8)
+    assert (config.rollouts_per_update, config.num_updates) == (4, 8)
+    for age, policy_moves in ((3, False), (4, True)):
+        _, _, _, moved = _one_update(config, age=jnp.int32(age))
+        assert all(by > 0 for _, by in _flat(moved)) is policy_moves
+    pulled = dataclasses.replace(config, critic_warmup=0, teacher_coef=1.0)
+
+    def weight(age, config=pulled):
+        learner = Learner(params=None, optimiser=None, age=jnp.int32(age))
+        return float(update._teacher_weight(config, learner))
+
+    # Four of eight updates of four rollouts; of those that learn, where not all do.
+    assert [weight(age) for age in (0, 8, 16)] == [1.0, 0.5, 0.0]
+    seldom = dataclasses.replace(pulled, exploratory_grad_updates=False, replay_prob=0.25)
+    assert [weight(age, seldom) for age in (0, 2, 4)] == [1.0, 0.5, 0.0]
 
 
 def test_divergences_are_those_of_the_textbook():

@@ -168,6 +168,16 @@ class PpoConfig:
         return math.prod(getattr(self, name) for name in self.update_size)
 
     @property
+    def rollouts_per_update(self) -> int:
+        """Rollouts of one update, each of which is learnt from by itself."""
+        return 1
+
+    @property
+    def learning_updates(self) -> int:
+        """Updates of the whole training that learn."""
+        return self.num_updates
+
+    @property
     def rounded(self) -> str:
         """A sentence where the steps asked for are no whole number of updates; else nothing."""
         trained = self.num_updates * self.steps_per_update

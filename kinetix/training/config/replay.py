@@ -1,6 +1,7 @@
 """Hyper-parameters of level replay: PLR, ACCEL and domain randomisation."""
 
 import dataclasses
+import math
 from typing import ClassVar, Literal
 
 from kinetix.training.config.ppo import PpoConfig
@@ -49,6 +50,24 @@ class ReplayConfig(PpoConfig):
     """Updates between two evaluations; 0: none."""
 
     update_size: ClassVar[tuple[str, ...]] = (*PpoConfig.update_size, "outer_rollout_steps")
+
+    @property
+    def replay_share(self) -> float:
+        """Share of the updates that are replays, once the buffer is full enough."""
+        # Under ACCEL a mutation follows every replay, so the choice is made in all other steps.
+        return self.replay_prob / (1 + self.replay_prob * self.use_accel)
+
+    @property
+    def rollouts_per_update(self) -> int:
+        """See `PpoConfig`."""
+        return self.outer_rollout_steps
+
+    @property
+    def learning_updates(self) -> int:
+        """See `PpoConfig`; an estimate where replays alone are learnt from."""
+        if self.exploratory_grad_updates or self.parity is not None:
+            return self.num_updates
+        return math.ceil(self.num_updates * self.replay_share)
 
     @property
     def only_listed(self) -> bool:

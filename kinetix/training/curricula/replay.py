@@ -5,7 +5,6 @@ with Regret-Based Environment Design" (2022).
 """
 
 import dataclasses
-import math
 from typing import Any
 
 import jax
@@ -70,12 +69,8 @@ class Replay:
         per_update = config.outer_rollout_steps * config.update_epochs * config.num_minibatches
         self.config = config
         self.parts_per_update = _kinds_per_update(config)
-        learning = config.num_updates
-        if not config.exploratory_grad_updates and config.parity is None:
-            learning = math.ceil(learning * self.parts_per_update.get(_TOLD[_REPLAY], 0.0))
-        self.setup = make_setup(
-            config, gradient_steps=max(learning, 1) * per_update, teacher=teacher
-        )
+        steps = max(config.learning_updates, 1) * per_update
+        self.setup = make_setup(config, gradient_steps=steps, teacher=teacher)
         # kinetix-env draws with replacement, and subtracts values from undiscounted returns.
         own = config.parity is None
         self._distinct, self._gamma = own, config.gamma if own else 1.0
@@ -263,8 +258,7 @@ class Replay:
 
 def _kinds_per_update(config: ReplayConfig) -> dict[str, float]:
     """The share of each kind of step, once the buffer is full enough."""
-    # Under ACCEL a mutation follows every replay, so the choice is made in all other steps.
-    replays = config.replay_prob / (1 + config.replay_prob * config.use_accel)
+    replays = config.replay_share
     mutations = replays if config.use_accel else 0.0
     shares = {_NEW: 1 - replays - mutations, _REPLAY: replays, _MUTATE: mutations}
     return {_TOLD[kind]: share for kind, share in shares.items() if share}

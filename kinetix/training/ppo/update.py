@@ -59,7 +59,7 @@ class Learner:
     teacher: Any = None
     """Variables of the agent that it must not leave too soon; None: it may."""
     age: Int[Array, ""] | None = None
-    """Updates so far, where that matters."""
+    """Rollouts learnt from so far, where that matters."""
 
 
 def learn(
@@ -110,8 +110,9 @@ def _learn(
         gae_lambda=config.gae_lambda,
     )
     batch = Batch(trajectory=trajectory, advantage=advantage, target=target)
-    if config.critic_warmup and learner.age is not None:
-        policy_begins = learner.age == config.critic_warmup
+    warm = config.critic_warmup * config.rollouts_per_update
+    if warm and learner.age is not None:
+        policy_begins = learner.age == warm
         learner = dataclasses.replace(
             learner, optimiser=adam_anew(learner.optimiser, policy_begins)
         )
@@ -120,9 +121,9 @@ def _learn(
         learner: Learner, inputs: tuple[Batch, Carry, Array]
     ) -> tuple[Learner, dict[str, Array]]:
         gradient, report = average(_gradient(config, network, learner, *inputs))
-        if config.critic_warmup and learner.age is not None:
+        if warm and learner.age is not None:
             gradient = jax.lax.cond(
-                learner.age < config.critic_warmup,
+                learner.age < warm,
                 functools.partial(for_the_critic_alone, config.network),
                 lambda gradient: gradient,
                 gradient,
@@ -256,8 +257,9 @@ def _loss(
 def _teacher_weight(config: PpoConfig, learner: Learner) -> Float[Array, ""]:
     """The weight of the teacher's pull: it falls to 0 once the critic has warmed up."""
     assert learner.age is not None
-    updates = max(config.teacher_frac * config.num_updates, 1.0)
-    done = jnp.maximum(learner.age - config.critic_warmup, 0) / updates
+    each = config.rollouts_per_update
+    rollouts = max(config.teacher_frac * config.learning_updates, 1.0) * each
+    done = jnp.maximum(learner.age - config.critic_warmup * each, 0) / rollouts
     return config.teacher_coef * jnp.maximum(1.0 - done, 0.0)
 
 
