@@ -118,17 +118,18 @@ def run(command: Common) -> int:
             process_id=command.process_id,
         )
     teacher = None if command.from_agent is None else load_agent(command.from_agent)
-    like = {} if teacher is None else settings_of(teacher.card)
+    if teacher is not None:  # read only now: it wakes JAX, which the above has to come before
+        like = settings_of(teacher.card)
+        configs = [_configured(algorithm, command, like | own, out) for out, own in runs.items()]
     terminal = Terminal()
     if is_leader():
         _tell_preset(command, runs, terminal)
     failed = 0
-    for number, ((out, own), config) in enumerate(zip(runs.items(), configs, strict=True), start=1):
+    for number, (out, config) in enumerate(zip(runs, configs, strict=True), start=1):
         if is_leader() and len(runs) > 1:
             terminal.say(f"{number}/{len(runs)}: {out}")
         try:
-            own_config = _configured(algorithm, command, like | own, out) if like else config
-            _train(algorithm, own_config, out, teacher, terminal)
+            _train(algorithm, config, out, teacher, terminal)
         except KinetixError as error:
             if sweep is None:
                 raise

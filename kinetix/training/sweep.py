@@ -219,12 +219,14 @@ def write_table(out: Path, runs: Sequence[SweepRun]) -> None:
         runs: Its runs.
     """
     from kinetix.files.atomic import write_atomically
+    from kinetix.files.folders import made_folder
 
     rows = table(out, runs)
     text = io.StringIO()
     writer = csv.DictWriter(text, list(dict.fromkeys(name for row in rows for name in row)))
     writer.writeheader()
     writer.writerows({name: _cell(value) for name, value in row.items()} for row in rows)
+    made_folder(out)
     write_atomically(out / TABLE, text.getvalue().encode())
 
 

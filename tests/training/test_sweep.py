@@ -145,6 +145,31 @@ def test_the_command_trains_every_run_and_goes_on(tmp_path, capsys):
     assert "gama=0.9: gama: ppo has no such field; did you mean 'gamma'?" in capsys.readouterr().err
 
 
+def test_a_sweep_from_an_agent_is_checked_with_it_before_the_first_run(finished, tmp_path, capsys):
+    sweep, out = tmp_path / "sweep.toml", tmp_path / "out"
+    sweep.write_text('[[run]]\nname = "a"\n[[run]]\nname = "b"\nkind = "relational"\n')
+    words = ["train", "ppo", "--out", str(out), "--dummy-env", "--sweep", str(sweep)]
+    assert main([*words, "--from", str(finished)]) == 1
+    assert "b: observation_type" in capsys.readouterr().err
+    assert not out.exists()
+
+
+def test_a_sweep_whose_first_run_is_refused_at_its_start_goes_on(monkeypatch, tmp_path, capsys):
+    begun = []
+
+    def refuse(algorithm, config, out, teacher, terminal):
+        begun.append(out.name)
+        raise KinetixError("not this one")
+
+    monkeypatch.setattr("kinetix.cli.train._train", refuse)
+    sweep = tmp_path / "sweep.toml"
+    sweep.write_text("[grid]\ngamma = [0.9, 0.99]\n")
+    words = ["train", "ppo", "--out", str(tmp_path / "out"), "--sweep", str(sweep), *_TINY]
+    assert main(words) == 1
+    assert begun == ["gamma=0.9", "gamma=0.99"]
+    assert capsys.readouterr().err.count("not this one") == 2
+
+
 def test_seeds_that_were_not_reached_keep_the_preset(tmp_path, capsys):
     """Seeds begun later than the first must not get other hyper-parameters."""
     from kinetix.training.settings import loads_config
