@@ -18,6 +18,7 @@ from kinetix.training.averages import PREFIX
 from kinetix.training.config import CONFIGS, BcConfig
 from kinetix.training.settings import CONFIG, SOURCES, field_notes, settings_of
 from kinetix.training.sweep import SweepRun, lines, read_sweep, table, write_table
+from kinetix.training.telling import say_nothing
 from kinetix.wording import plural, thousands
 
 _SUMMARIES = {
@@ -47,7 +48,8 @@ class Common:
     """Train once for every combination of values in the file's tables [grid], [random] and [[run]],
     into RUN/NAME; RUN/sweep.csv compares them."""
     from_agent: Annotated[str | None, tyro.conf.arg(name="from", metavar="AGENT")] = None
-    """Fine-tune this agent instead of starting from nothing."""
+    """Fine-tune this agent instead of starting from nothing; a run that has a checkpoint goes on
+    from that."""
     dummy_env: bool = False
     """An environment that does nothing, to debug training code quickly."""
     coordinator: Annotated[str | None, tyro.conf.arg(metavar="HOST:PORT")] = None
@@ -95,7 +97,6 @@ Train: Any = Union[  # noqa: UP007 (made at run time)
 def run(command: Common) -> int:
     """Train to the end; 0 when that is reached, 1 if runs of a sweep failed."""
     # Imported here, so that a wrong command line fails before JAX loads.
-    from kinetix.agents.agent import load_agent
     from kinetix.training.devices import is_leader, join
 
     algorithm = next(name for name, kind in _ARGUMENTS.items() if type(command) is kind)
@@ -117,11 +118,13 @@ def run(command: Common) -> int:
             num_processes=command.num_processes,
             process_id=command.process_id,
         )
-    teacher = None if command.from_agent is None else load_agent(command.from_agent)
-    if teacher is not None:  # read only now: it wakes JAX, which the above has to come before
-        like = settings_of(teacher.card)
-        configs = [_configured(algorithm, command, like | own, out) for out, own in runs.items()]
     terminal = Terminal()
+    teachers = _teachers(command, runs, terminal)
+    like = {out: settings_of(agent.card) for out, agent in teachers.items()}
+    configs = [
+        _configured(algorithm, command, like[out] | own, out) if out in like else config
+        for (out, own), config in zip(runs.items(), configs, strict=True)
+    ]
     if is_leader():
         _tell_preset(command, runs, terminal)
     failed = 0
@@ -129,7 +132,7 @@ def run(command: Common) -> int:
         if is_leader() and len(runs) > 1:
             terminal.say(f"{number}/{len(runs)}: {out}")
         try:
-            _train(algorithm, config, out, teacher, terminal)
+            _train(algorithm, config, out, teachers.get(out), terminal)
         except KinetixError as error:
             if sweep is None:
                 raise
@@ -140,6 +143,22 @@ def run(command: Common) -> int:
     if sweep is not None and is_leader():
         print("\n".join(lines(table(command.out, sweep))))
     return 1 if failed else 0
+
+
+def _teachers(command: Common, runs: Iterable[Path], terminal: Terminal) -> dict[Path, Any]:
+    """The agent to start from, of every run that is at its beginning.
+
+    It wakes JAX: the number of devices has to be settled before.
+    """
+    from kinetix.agents.agent import load_agent
+    from kinetix.training.devices import is_leader
+    from kinetix.training.origin import still_needed
+
+    if command.from_agent is None:
+        return {}
+    say = terminal.say if is_leader() else say_nothing
+    beginning = [out for out in runs if still_needed(out, say)]
+    return dict.fromkeys(beginning, load_agent(command.from_agent)) if beginning else {}
 
 
 def _values(command: Common) -> dict[str, Any]:

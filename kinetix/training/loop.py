@@ -58,6 +58,8 @@ class Training:
     status: Say
     history: History | None
     """Of the buffer, where the algorithm keeps levels."""
+    start_from: Mapping[str, Any]
+    """Name, digest and length of training of the agent that it began from; empty: of none."""
 
 
 def checkpoint_of(out: Path, config: PpoConfig, progress: StoredProgress) -> Path:
@@ -87,7 +89,7 @@ def loop(
         seconds = progress.seconds + took
         progress = msgspec.structs.replace(progress, updates=done, seconds=seconds)
         last = done == config.num_updates
-        agent = functools.partial(_agent, run.algorithm, trainer, state, progress, {})
+        agent = functools.partial(_agent, run, state, progress, {})
         if config.eval_freq and (done % config.eval_freq == 0 or last):
             numbers |= view.evaluation(agent(), run.status)
             if view.evaluation.seconds is not None:
@@ -183,13 +185,10 @@ def _report(
 
 
 def _agent(
-    algorithm: str,
-    trainer: Trainer,
-    state: Any,
-    progress: StoredProgress,
-    results: Mapping[str, float],
+    run: Training, state: Any, progress: StoredProgress, results: Mapping[str, float]
 ) -> Agent:
     """The agent that a training state holds, with its records."""
+    algorithm, trainer = run.algorithm, run.trainer
     config = trainer.setup.config
     steps = progress.updates * config.steps_per_update
     training = {
@@ -200,6 +199,8 @@ def _agent(
         "wall_time": round(progress.seconds, 3),
         "code_version": __version__,
     }
+    if run.start_from:
+        training["start_from"] = dict(run.start_from)
     card: AgentCard = trainer.setup.card.replace(
         name=f"{algorithm}-{config.size}-{steps}",
         description=f"{algorithm} on {config.level_mode} levels of size {config.size}",
@@ -212,7 +213,7 @@ def _agent(
 
 def save(run: Training, state: Any, progress: StoredProgress, results: Mapping[str, float]) -> None:
     """Write a checkpoint: the agent, and beside it the state that a training goes on from."""
-    agent = _agent(run.algorithm, run.trainer, state, progress, results)
+    agent = _agent(run, state, progress, results)
     host = to_host(state)
     if not is_leader():
         return

@@ -29,6 +29,7 @@ from kinetix.training.directory import (
 from kinetix.training.imitation.clone import Clone
 from kinetix.training.logging import Sink, keep_damaged_rows, open_sinks
 from kinetix.training.loop import Report, Training, checkpoint_of, loop, save
+from kinetix.training.origin import check_origin, dumps_origin, origin_of, read_origin
 from kinetix.training.ppo.rollout import as_updates_leave_it
 from kinetix.training.resume import StoredProgress, put_aside, read_newest, recover
 from kinetix.training.settings import CONFIG, dumps_config
@@ -96,7 +97,8 @@ def train(  # noqa: PLR0913 (whom to tell what, besides what is trained)
             recover(out)
         wait_for_all("what was moved is back")
         stop = stack.enter_context(stop_requests(say))
-        state, progress, damaged = _begin(trainer, out, say, status, taught=teacher is not None)
+        state, progress, damaged = _begin(trainer, out, say, status, teacher)
+        origin = read_origin(out) if progress.updates else origin_of(teacher)
         checkpoint = checkpoint_of(out, config, progress)
         lost = unreadable_agent(checkpoint) if progress.updates else ""
         wait_for_all("everybody has read what is there")
@@ -104,7 +106,8 @@ def train(  # noqa: PLR0913 (whom to tell what, besides what is trained)
         if is_leader():
             put_aside(damaged)
             clear_leftovers(out)
-            _keep_config(out, algorithm, config, progress)
+            text = dumps_config(algorithm, config) + dumps_origin(origin)
+            _keep_config(out, text, config, progress)
             keep_damaged_rows(out, progress.updates, say)
             sinks = open_sinks(out, config, updates=progress.updates)
         for sink in sinks:
@@ -132,6 +135,7 @@ def train(  # noqa: PLR0913 (whom to tell what, besides what is trained)
             say=say,
             status=status,
             history=history,
+            start_from=origin,
         )
         if lost:
             say(f"{lost}; it is made again from the training's state")
@@ -163,10 +167,10 @@ def _say_first(trainer: Trainer, config: PpoConfig, say: Say) -> None:
         say(f"warning: {trainer.setup.cut_short()}")
 
 
-def _keep_config(out: Path, algorithm: str, config: PpoConfig, progress: StoredProgress) -> None:
+def _keep_config(out: Path, text: str, config: PpoConfig, progress: StoredProgress) -> None:
     """Write what is trained with, unless it is a length that is behind the run already."""
     if progress.updates <= config.num_updates:
-        write_atomically(out / CONFIG, dumps_config(algorithm, config).encode())
+        write_atomically(out / CONFIG, text.encode())
 
 
 def _on_these_levels(progress: StoredProgress, trainer: Trainer, say: Say) -> StoredProgress:
@@ -186,15 +190,16 @@ def _on_these_levels(progress: StoredProgress, trainer: Trainer, say: Say) -> St
 
 
 def _begin(
-    trainer: Trainer, out: Path, say: Say, status: Say, *, taught: bool
+    trainer: Trainer, out: Path, say: Say, status: Say, teacher: Agent | None
 ) -> tuple[Any, StoredProgress, list[Path]]:
     """The state to go on from, and newer checkpoints that are damaged."""
     config, levels = trainer.setup.config, trainer.setup.levels
     found = read_newest(out, lambda: jax.eval_shape(trainer.start), say, levels=levels)
     if found is None:
-        if not taught and (config.teacher_coef or config.critic_warmup):
+        if teacher is None and (config.teacher_coef or config.critic_warmup):
             name = "teacher_coef" if config.teacher_coef else "critic_warmup"
             raise KinetixError(f"{name}: there is no agent to start from; name it with --from")
+        check_origin(out, teacher)
         if os.path.isfile(out / CONFIG):
             refuse_lost_checkpoints(out, trainer.setup.config)
             say("no checkpoint was written yet: starting from the beginning")

@@ -30,6 +30,8 @@ from kinetix.wording import misfit
 
 CONFIG = "config.toml"
 """A run's own configuration."""
+START_FROM: Final = "start_from"
+"""Table of a run's configuration: the agent that the run began from."""
 NETWORK = "network"
 """Table of the network's options."""
 _FROM_EMPTY: Final = "accel_start_from_empty"
@@ -265,9 +267,9 @@ def dumps_config(algorithm: str, config: PpoConfig) -> str:
     content = dataclasses.asdict(config)
     network = content.pop(NETWORK)
     lines = [f'algorithm = "{algorithm}"']
-    lines += [f"{key} = {_value(value)}" for key, value in content.items() if value is not None]
+    lines += [f"{key} = {toml_value(value)}" for key, value in content.items() if value is not None]
     lines += ["", f"[{NETWORK}]"]
-    lines += [f"{key} = {_value(value)}" for key, value in network.items()]
+    lines += [f"{key} = {toml_value(value)}" for key, value in network.items()]
     return "\n".join(lines) + "\n"
 
 
@@ -294,6 +296,7 @@ def loads_config(text: str, file: str) -> tuple[str, dict[str, Any]]:
     network = content.pop(NETWORK, {})
     if not isinstance(network, dict):
         raise KinetixError(f"{file}: {NETWORK}: expected a table")
+    content.pop(START_FROM, None)
     return str(content.pop("algorithm", "ppo")), content | network
 
 
@@ -330,7 +333,8 @@ def _take(
     where: str,
 ) -> None:
     tables = {name: content.pop(name, {}) for name in (NETWORK, *CONFIGS)}
-    content.pop("algorithm", None)
+    for name in ("algorithm", START_FROM):
+        content.pop(name, None)
     allowed = {field.name for field in dataclasses.fields(CONFIGS[algorithm])} - {NETWORK}
     for name, table in tables.items():
         if not isinstance(table, dict):
@@ -368,9 +372,14 @@ def _parse(text: str, file: str) -> dict[str, Any]:
         raise KinetixError(f"{file}: not valid TOML: {error}") from None
 
 
-def _value(value: Any) -> str:
+def toml_value(value: Any) -> str:
+    """Return a value as TOML writes it.
+
+    Args:
+        value: A number, a string, a boolean, or a sequence of these.
+    """
     if isinstance(value, (tuple, list)):
-        return "[" + ", ".join(map(_value, value)) + "]"
+        return "[" + ", ".join(map(toml_value, value)) + "]"
     # What JSON writes of booleans, numbers and strings is TOML too.
     return json.dumps(value, ensure_ascii=False)
 

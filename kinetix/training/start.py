@@ -9,8 +9,10 @@ from kinetix.agents.agent import Agent, load_agent
 from kinetix.errors import KinetixError
 from kinetix.training.config import PpoConfig, algorithm_of
 from kinetix.training.loop import Report
+from kinetix.training.origin import still_needed
 from kinetix.training.run import train as run_training
 from kinetix.training.settings import CONFIG, make_config, settings_of
+from kinetix.training.telling import say_nothing
 
 
 def train(
@@ -31,8 +33,9 @@ def train(
         out: The run's directory; the same one goes on where it stopped.
         preset: `small` (the default, which fits a laptop), `specialist`, `general`, `paper` or
             `kinetix-3`; only with the name of an algorithm.
-        start_from: An agent to fine-tune. With the name of an algorithm its network, observation,
-            action, frame skip and normalisation are taken over; a configuration must have them.
+        start_from: An agent to fine-tune, in a run that has no checkpoint yet. With the name of an
+            algorithm its network, observation, action, frame skip and normalisation are taken over;
+            a configuration must have them.
         report: Called after every update.
         say: Takes what there is to say besides.
         **fields: Hyper-parameters by name, such as `levels=("s/goalkeeper",)`; only with the name
@@ -47,9 +50,9 @@ def train(
     if not isinstance(out, str | os.PathLike) or not os.fspath(out):
         raise KinetixError(f"out={out!r}: expected the run's directory")
     out = Path(out)
-    teacher = start_from
-    if teacher is not None and not isinstance(teacher, Agent):
-        teacher = load_agent(teacher)
+    teacher: Agent | None = None
+    if start_from is not None and still_needed(out, say or say_nothing):
+        teacher = start_from if isinstance(start_from, Agent) else load_agent(start_from)
     if isinstance(config, str):
         fresh = not os.path.isfile(out / CONFIG)
         algorithm = config

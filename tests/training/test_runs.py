@@ -5,18 +5,21 @@ import math
 import re
 import shutil
 
+import jax
 import numpy as np
 import pytest
 from PIL import Image
 
-from kinetix.agents.agent import load_agent
+from kinetix.agents.agent import Agent, load_agent
 from kinetix.agents.checkpoint import steps_of_run
+from kinetix.agents.shapes import init_parameters
 from kinetix.cli import main
 from kinetix.errors import KinetixError
 from kinetix.level.codec import load_level, save_level
 from kinetix.level.model import Body, Circle, Level
 from kinetix.training.curricula.pages import page_updates, read_page
 from kinetix.training.logging import read_metrics
+from kinetix.training.origin import read_origin
 from kinetix.training.run import train
 from kinetix.training.schedule import learning_rate
 from kinetix.training.settings import make_config
@@ -172,6 +175,32 @@ def test_fine_tuning_starts_from_the_agent(finished, tmp_path):
         KinetixError, match="its network has actor_width = 16, the configuration's has 8"
     ):
         make_trainer(other, teacher)
+
+
+def test_a_run_keeps_which_agent_it_began_from(finished, tmp_path, capsys):
+    teacher, out = load_agent(finished), tmp_path / "tuned"
+    config = _config("ppo", dummy_env=True, total_timesteps=64)
+    began = {"name": "whole@192", "digest": teacher.digest, "environment_steps": 192}
+
+    def fail(_):
+        raise _Stop
+
+    # Killed before its first checkpoint, it does not begin anew from something else.
+    with pytest.raises(_Stop):
+        train("ppo", config, out, teacher=teacher, report=fail)
+    assert read_origin(out) == began
+    other = Agent(teacher.card, init_parameters(teacher.card, jax.random.key(9)))
+    for agent, now in ((None, "none is named"), (other, "now it is 'whole@192'")):
+        with pytest.raises(KinetixError, match=f"the agent 'whole@192', {now}, and no checkpoint"):
+            train("ppo", config, out, teacher=agent)
+    train("ppo", config, out, teacher=teacher)
+    assert load_agent(out).card.training["start_from"] == began
+    # Once there is a checkpoint, the agent is needed no more.
+    words = ["train", "ppo", "--out", str(out), "--dummy-env", "--from", str(tmp_path / "gone")]
+    assert main([*words, "--total-timesteps", "96"]) == 0
+    assert "counts at the beginning alone, which was 'whole@192'" in capsys.readouterr().err
+    assert load_agent(out).card.training["start_from"] == read_origin(out) == began
+    assert "start_from" not in load_agent(finished).card.training
 
 
 @pytest.mark.slow
