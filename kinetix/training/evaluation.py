@@ -2,7 +2,7 @@
 
 import statistics
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any, Final
 
@@ -46,9 +46,7 @@ class TrainingEvaluation:
         self._settings = Settings(
             attempts=config.eval_num_attempts, seed=config.seed, physics=config.physics
         )
-        self._hand_designed = evaluation_levels(config) if config.eval_freq else []
-        for level in self._hand_designed:
-            _check_fit(level, setup)
+        self._hand_designed = levels_to_watch(setup) if config.eval_freq else []
         self._sampled = _sampled(setup)
         self._longest = setup.longest_episode
         self._evaluated = False
@@ -81,18 +79,29 @@ class TrainingEvaluation:
         levels = len(self._hand_designed) + len(self._sampled)
         return levels * self._settings.attempts * self._longest
 
-    def __call__(self, agent: Agent, status: Say = say_nothing) -> dict[str, float]:
-        """Metrics of an agent.
+    def __call__(
+        self,
+        agent: Agent,
+        status: Say = say_nothing,
+        stopped: Callable[[], bool] = lambda: False,
+    ) -> dict[str, float]:
+        """Metrics of an agent; none where somebody asks to stop meanwhile.
 
         Args:
             agent: With its present parameters.
             status: Takes words for how far it is.
+            stopped: Whether somebody does; asked now and then.
         """
         metrics: dict[str, float] = {}
         waits: list[float] = []
         for kind, levels in (("hand_designed", self._hand_designed), ("sampled", self._sampled)):
             if levels:
-                *_, last = _told(evaluate(agent, levels, self._settings), status, waits)
+                last: Progress | None = None
+                for stage in _told(evaluate(agent, levels, self._settings), status, waits):
+                    if stopped():
+                        return {}
+                    last = stage
+                assert last is not None
                 if last.failures:
                     raise CheckpointError(last.failures[0].error)
                 metrics |= _means(kind, last.results)
@@ -156,6 +165,22 @@ def evaluation_levels(config: PpoConfig) -> list[NamedLevel]:
     room = static_env_params_from_size(config.size).capacity
     fitting = [level for level in levels if sources or room.covers(capacity_of(level.level))]
     return [NamedLevel(name=level.name, source=_as_read(level)) for level in fitting]
+
+
+def levels_to_watch(setup: Setup, most: int | None = None) -> list[NamedLevel]:
+    """Return the first of the levels that an agent is evaluated on.
+
+    Args:
+        setup: The training.
+        most: How many at most; None: all.
+
+    Raises:
+        KinetixError: The agent could not play one of them.
+    """
+    levels = evaluation_levels(setup.config)[:most]
+    for level in levels:
+        _check_fit(level, setup)
+    return levels
 
 
 def _as_read(level: SetLevel) -> Level | LoadedLevel:

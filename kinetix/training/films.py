@@ -10,8 +10,8 @@ from typing import Final
 from kinetix.agents.agent import Agent
 from kinetix.agents.evaluate import NamedLevel, Settings
 from kinetix.agents.films import film_episode
-from kinetix.training.config import PpoConfig
-from kinetix.training.evaluation import evaluation_levels
+from kinetix.training.evaluation import levels_to_watch
+from kinetix.training.setup import Setup
 from kinetix.training.telling import Say
 
 FILMS: Final = "films"
@@ -26,17 +26,21 @@ _EVERY: Final = 2
 class Filming:
     """Films an agent on the first levels that it is evaluated on."""
 
-    def __init__(self, run: Path, config: PpoConfig) -> None:
+    def __init__(self, run: Path, setup: Setup) -> None:
         """Choose the levels.
 
         Args:
             run: The run's directory.
-            config: The configuration.
+            setup: The training.
+
+        Raises:
+            KinetixError: The agent could not play one of them.
         """
+        config = setup.config
         self._run = run
         self._frequency = config.video_frequency
         self._settings = Settings(seed=config.seed, physics=config.physics)
-        self._levels = evaluation_levels(config)[:MOST_LEVELS] if self._frequency else []
+        self._levels = levels_to_watch(setup, MOST_LEVELS) if self._frequency else []
 
     def films_after(self, update: int, *, last: bool) -> bool:
         """Return whether the agent is to be filmed after this update."""

@@ -90,16 +90,22 @@ def loop(
         progress = msgspec.structs.replace(progress, updates=done, seconds=seconds)
         last = done == config.num_updates
         agent = functools.partial(_agent, run, state, progress, {})
-        if config.eval_freq and (done % config.eval_freq == 0 or last):
-            numbers |= view.evaluation(agent(), run.status)
+        # Who wants to stop need not wait for what can take long, but for the results of the end.
+        stopping = run.stop.agreed
+        watched = last or not stopping
+        if watched and config.eval_freq and (done % config.eval_freq == 0 or last):
+            stopped = _never if last else run.stop.alone
+            numbers |= view.evaluation(agent(), run.status, stopped)
             if view.evaluation.seconds is not None:
                 view.pace.evaluated(view.evaluation.seconds)
         numbers |= _timing(config, progress, took)
         for sink in run.sinks:
             sink.write(numbers)
-        if view.camera.films_after(done, last=last):
+        stopping = stopping or run.stop.agreed
+        watched = last or not stopping
+        if watched and view.camera.films_after(done, last=last):
             _film(run, view.camera, agent(), done * config.steps_per_update)
-        stopping = run.stop.agreed
+        stopping = stopping or run.stop.agreed
         saving = done % config.checkpoint_save_freq == 0 or last or stopping
         if run.history is not None:
             run.history.follow(done, state, page=saving)
@@ -108,6 +114,10 @@ def loop(
         if report is not None and is_leader():
             report(_report(config, progress, took, numbers, view.pace.seconds_left(done)))
     return state, progress
+
+
+def _never() -> bool:
+    return False
 
 
 def _refuse_divergence(numbers: Mapping[str, float], update: int) -> None:
@@ -146,7 +156,7 @@ def _view(run: Training, progress: StoredProgress) -> _View:
         per_update=run.trainer.parts_per_update,
         evaluation_share=evaluation.steps / config.steps_per_update,
     )
-    camera = Filming(run.out, config)
+    camera = Filming(run.out, run.trainer.setup)
     return _View(evaluation=evaluation, camera=camera, averages=averages, pace=pace)
 
 

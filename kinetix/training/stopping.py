@@ -40,6 +40,10 @@ class StopRequest:
         """Return what ends the command with the status that the signal asks for."""
         return KeyboardInterrupt() if self.signal == signal.SIGINT else Terminated()
 
+    def alone(self) -> bool:
+        """Return whether this process, which trains without others, was asked."""
+        return self.signal is not None and jax.process_count() == 1
+
     @property
     def agreed(self) -> bool:
         """True if any of the processes that train together was asked; all must call this."""

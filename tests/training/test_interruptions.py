@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from kinetix.agents.checkpoint import steps_of_run
+from kinetix.agents.evaluate import Progress
 from kinetix.errors import KinetixError
 from kinetix.failures import Terminated
 from kinetix.files.lock import locked_folder
@@ -165,6 +166,31 @@ def test_a_training_that_is_asked_to_stop_saves_and_says_so(finished, tmp_path, 
     assert "resuming from update 4 of 6" in said
     assert without_time(read_metrics(tmp_path / "run")) == without_time(read_metrics(finished))
     same_parameters(finished, tmp_path / "run")
+
+
+@pytest.mark.parametrize("when", ["before", "between stages"])
+def test_who_stops_a_training_does_not_wait_for_an_evaluation(tmp_path, monkeypatch, when):
+    stages = []
+
+    def evaluate(agent, levels, settings):
+        for done in range(3):
+            stages.append(done)
+            if when == "between stages":
+                os.kill(os.getpid(), signal.SIGTERM)
+            yield Progress(done=done, total=3, results=(), failures=())
+
+    monkeypatch.setattr("kinetix.training.evaluation.evaluate", evaluate)
+
+    def report(progress):
+        if progress.update == 1 and when == "before":
+            os.kill(os.getpid(), signal.SIGTERM)
+
+    config = tiny_config("ppo", dummy_env=True, eval_freq=2, video_frequency=2)
+    with pytest.raises(Terminated):
+        train("ppo", config, tmp_path / "run", report=report)
+    assert stages == ([] if when == "before" else [0])
+    assert steps_of_run(tmp_path / "run") == [64]
+    assert not (tmp_path / "run" / "films").exists()
 
 
 def test_a_disk_that_is_full_is_one_sentence(finished, tmp_path, monkeypatch):

@@ -201,9 +201,10 @@ def test_seeds_count_from_the_one_that_a_file_names(tmp_path):
 def test_evaluation_levels_without_room_are_refused_at_once(tmp_path, capsys):
     """At the first evaluation, all that was learnt since the last checkpoint would be lost."""
     words = ["train", "ppo", "--out", str(tmp_path / "out"), *_TINY, "--eval-freq", "2"]
-    words += ["--observation-type", "symbolic_flat"]
-    assert main([*words, "--eval-levels", "l/rover_ridge"]) == 1
-    assert "eval_levels: l/rover_ridge has l (polygons" in capsys.readouterr().err
+    words += ["--observation-type", "symbolic_flat", "--eval-levels", "l/rover_ridge"]
+    for more in ([], ["--eval-freq", "0", "--video-frequency", "2"]):
+        assert main([*words, *more]) == 1
+        assert "eval_levels: l/rover_ridge has l (polygons" in capsys.readouterr().err
     assert not (tmp_path / "out" / "checkpoints").exists()
 
 
