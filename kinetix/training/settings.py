@@ -24,7 +24,7 @@ from kinetix.errors import KinetixError, LevelError
 from kinetix.files.regular import FileError, read_text
 from kinetix.lazy import hint
 from kinetix.level.sets import gather_levels
-from kinetix.level.sizes import capacity_of, parse_capacity
+from kinetix.level.sizes import capacity_of, parse_capacity, size_name
 from kinetix.training.config import ALGORITHM_DEFAULTS, CONFIGS, PpoConfig
 from kinetix.wording import misfit
 
@@ -247,14 +247,21 @@ def _complete(fields: dict[str, Any], known: Container[str], *, fixed: Set[str])
 def settings_of(card: AgentCard) -> dict[str, Any]:
     """Return the settings that an agent determines for a training that starts from it.
 
-    These are its network, observation, action, frame skip, and whether it normalises what it sees.
+    These are its network, observation, action, frame skip, whether it normalises what it sees, and
+    its size, where it plays no other.
     """
-    return dataclasses.asdict(card.network) | {
-        "observation_type": card.observation.type,
-        "action_type": card.action.type,
-        "frame_skip": card.environment.frame_skip,
-        "rms_norm": card.normalisation is not None,
-    }
+    own = None if card.plays_any_capacity or card.capacity is None else card.capacity.sizes
+    size = {} if own is None else {"size": size_name(own) or _in_numbers(own)}
+    return (
+        dataclasses.asdict(card.network)
+        | size
+        | {
+            "observation_type": card.observation.type,
+            "action_type": card.action.type,
+            "frame_skip": card.environment.frame_skip,
+            "rms_norm": card.normalisation is not None,
+        }
+    )
 
 
 def dumps_config(algorithm: str, config: PpoConfig) -> str:
@@ -322,7 +329,11 @@ def _size_for(needed: Sequence[Capacity], preferred: str | None) -> str:
     common = functools.reduce(Capacity.union, needed)
     if preferred is not None and parse_capacity(preferred).covers(common):
         return preferred
-    return ",".join(map(str, dataclasses.astuple(common)))
+    return _in_numbers(common)
+
+
+def _in_numbers(capacity: Capacity) -> str:
+    return ",".join(map(str, dataclasses.astuple(capacity)))
 
 
 def _take(

@@ -373,6 +373,11 @@ def _check_teacher(teacher: AgentCard, card: AgentCard, config: PpoConfig) -> No
             f"the agent {teacher.name!r} cannot be trained on: it normalises what it sees, and the "
             "configuration has rms_norm = false"
         )
+    if teacher.normalisation is None and config.rms_norm:
+        raise KinetixError(
+            f"the agent {teacher.name!r} cannot be trained on: it sees everything as it is, and "
+            "the configuration has rms_norm = true"
+        )
 
 
 def _reset_function(

@@ -34,8 +34,8 @@ def train(
         preset: `small` (the default, which fits a laptop), `specialist`, `general`, `paper` or
             `kinetix-3`; only with the name of an algorithm.
         start_from: An agent to fine-tune, in a run that has no checkpoint yet. With the name of an
-            algorithm its network, observation, action, frame skip and normalisation are taken over;
-            a configuration must have them.
+            algorithm its network, observation, action, frame skip, normalisation and, of a flat
+            network, size are taken over; a configuration must have them.
         report: Called after every update.
         say: Takes what there is to say besides.
         **fields: Hyper-parameters by name, such as `levels=("s/goalkeeper",)`; only with the name

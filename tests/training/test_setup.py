@@ -25,6 +25,7 @@ from kinetix.level.sizes import SIZES
 from kinetix.training.config import BcConfig, PpoConfig, ReplayConfig, SflConfig
 from kinetix.training.evaluation import TrainingEvaluation, evaluation_levels
 from kinetix.training.imitation.starts import Starts
+from kinetix.training.settings import make_config, settings_of
 from kinetix.training.setup import make_setup
 from kinetix.training.start import train
 from tests.training.tiny import rocket, tiny_config
@@ -170,3 +171,20 @@ def test_statistics_of_an_agent_are_not_dropped_in_silence() -> None:
     config = dataclasses.replace(config, network=agent.card.network)
     with pytest.raises(KinetixError, match="normalises what it sees"):
         make_setup(config, gradient_steps=1, teacher=agent)
+
+
+def test_an_agent_that_sees_everything_as_it_is_gets_no_statistics() -> None:
+    agent = load_agent("goalkeeper")
+    config = tiny_config("ppo", levels=("s/goalkeeper",), rms_norm=True)
+    config = dataclasses.replace(config, network=agent.card.network)
+    with pytest.raises(KinetixError, match="sees everything as it is"):
+        make_setup(config, gradient_steps=1, teacher=agent)
+
+
+def test_the_size_of_an_agent_that_plays_no_other_is_taken_over() -> None:
+    card = make_setup(tiny_config("ppo", size="m"), gradient_steps=1).card
+    values = settings_of(card) | {"levels": ("s/goalkeeper",)}
+    assert make_config("ppo", preset="small", values=values).size == "m"
+    odd = msgspec.structs.replace(card.capacity, polygons=7)
+    assert settings_of(card.replace(capacity=odd))["size"] == "7,3,2,2"
+    assert "size" not in settings_of(load_agent("general").card)
