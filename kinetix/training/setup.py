@@ -277,7 +277,7 @@ def make_setup(config: PpoConfig, *, gradient_steps: int, teacher: Agent | None 
     without_starts: tuple[str, ...] = ()
     if config.demo_starts and listed and not config.dummy_env:
         starts = starts_on_the_way(listed, env)
-        reset_fn = beginning_on_the_way(reset_fn, starts.moments, config.demo_starts)
+        reset_fn = beginning_on_the_way(reset_fn, starts, config.demo_starts)
         without_starts = starts.without
     env = dataclasses.replace(env, reset_fn=_shuffled(config, reset_fn))
     observations = observations_of_card(card, env_params, env.static_env_params)

@@ -84,7 +84,8 @@ def test_moments_on_the_way_of_a_win_lie_in_other_slots_too(
     def halfway(levels: list[SetLevel], env: KinetixEnv) -> Starts:
         state = level_state(levels[0].level, env.static_env_params)
         state = dataclasses.replace(state, timestep=jnp.int32(5))
-        return Starts(moments=jax.tree.map(lambda x: x[None], state), without=("b",))
+        moments = jax.tree.map(lambda x: x[None], state)
+        return Starts(moments=moments, odds=np.ones(1), without=("b",))
 
     monkeypatch.setattr("kinetix.training.setup.starts_on_the_way", halfway)
     config = PpoConfig(**listed("s/wheelie"), demo_starts=0.5, permute_state_during_training=True)

@@ -7,7 +7,7 @@ from typing import Final
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array
+from jaxtyping import Array, Float
 
 from kinetix.environment.env import KinetixEnv, ResetFunction
 from kinetix.environment.reset import level_state
@@ -29,6 +29,8 @@ class Starts:
 
     moments: EnvState
     """On one axis."""
+    odds: Float[np.ndarray, " n"]
+    """How likely each is; together those of a level are as likely as the level."""
     without: tuple[str, ...]
     """Levels without moments: their win was lost when it was played again."""
 
@@ -52,8 +54,13 @@ def starts_on_the_way(levels: Sequence[SetLevel], env: KinetixEnv) -> Starts:
             "played again; set demo_starts = 0"
         ) from None
     moments = state_at(played.lessons, jnp.arange(played.lessons.count))
+    lost = set(played.lost)
+    weights = [each.weight for index, each in enumerate(levels) if index not in lost]
+    episode = np.asarray(played.lessons.episode)
+    odds = (np.array(weights) / np.bincount(episode))[episode]
     return Starts(
         moments=jax.tree.map(np.asarray, moments),
+        odds=odds / odds.sum(),
         without=tuple(levels[index].name for index in played.lost),
     )
 
@@ -89,23 +96,23 @@ def _demonstration(state: EnvState, actions: Sequence[Sequence[int]]) -> Demonst
     return Demonstration(state=state, actions=np.array(actions, np.int8).reshape(-1, 6))
 
 
-def beginning_on_the_way(reset_fn: ResetFunction, moments: EnvState, share: float) -> ResetFunction:
+def beginning_on_the_way(reset_fn: ResetFunction, starts: Starts, share: float) -> ResetFunction:
     """Return a reset function of which a share of the episodes begins at one of some moments.
 
     Args:
         reset_fn: Where the others begin.
-        moments: States on one axis, all equally likely.
+        starts: The moments.
         share: 0 … 1.
     """
-    count = moments.timestep.shape[0]
+    up_to = np.cumsum(starts.odds)[:-1].astype(np.float32)
 
     def reset(key: Array) -> EnvState:
         level_key, row_key, share_key = jax.random.split(key, 3)
         usual = reset_fn(level_key)
-        row = jax.random.randint(row_key, (), 0, count)
+        row = jnp.searchsorted(jnp.asarray(up_to), jax.random.uniform(row_key), side="right")
         on_the_way = jax.random.uniform(share_key) < share
         return jax.tree.map(
-            lambda x, y: jnp.where(on_the_way, jnp.asarray(x)[row], y), moments, usual
+            lambda x, y: jnp.where(on_the_way, jnp.asarray(x)[row], y), starts.moments, usual
         )
 
     return reset
