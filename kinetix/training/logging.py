@@ -15,7 +15,7 @@ from kinetix.files.regular import FileError, read_bytes
 from kinetix.training.config import PpoConfig
 from kinetix.training.events import EventFile
 from kinetix.training.films import drop_films, stored_films
-from kinetix.training.resume import damaged_name
+from kinetix.training.resume import DAMAGED, damaged_name
 from kinetix.training.settings import as_table
 
 JSONL: Final = "metrics.jsonl"
@@ -199,11 +199,12 @@ def keep_damaged_rows(run: Path, updates: int, say: Callable[[str], None]) -> No
     Args:
         run: The run's directory.
         updates: How many updates are done.
-        say: Takes a sentence where an update has no row.
+        say: Takes a sentence where an update has no row; once, as a run may go on without.
     """
     path = run / JSONL
     rows = sum(row[UPDATE] <= updates for row in read_metrics(run))
-    if rows >= updates:
+    told_before = os.path.lexists(path.with_name(f"{path.name}{DAMAGED}"))
+    if rows >= updates or (told_before and _only_rows(path)):
         return
     lost = f"{path}: has rows of {rows} of {updates} updates; the others are lost"
     if os.path.isfile(path):
@@ -211,6 +212,14 @@ def keep_damaged_rows(run: Path, updates: int, say: Callable[[str], None]) -> No
         write_atomically(kept, read_bytes(path, "metrics"))
         lost += f", and {kept.name} keeps the file as it was"
     say(lost)
+
+
+def _only_rows(path: Path) -> bool:
+    """Return whether a file is there and loses nothing when it is written anew."""
+    if not os.path.isfile(path):
+        return False
+    lines = read_bytes(path, "metrics").decode("utf-8", errors="replace").split("\n")
+    return all(not line or _row(line) is not None for line in lines)
 
 
 def _row(line: str) -> dict[str, float] | None:

@@ -68,6 +68,10 @@ def test_metrics_that_would_lose_rows_are_kept_and_told(run):
     keep_damaged_rows(run, 3, said.append)
     assert "rows of 2 of 3 updates" in said[0] and "metrics.jsonl.damaged keeps" in said[0]
     assert (run / "metrics.jsonl.damaged").read_text() == damaged
+    # The run goes on without that row, and does not tell it at every start.
+    path.write_text(lines[0] + lines[2])
+    keep_damaged_rows(run, 3, said.append)
+    assert len(said) == 1 and len(list(run.glob("*.damaged*"))) == 1
     path.unlink()
     keep_damaged_rows(run, 3, said.append)
     assert said[1].endswith("rows of 0 of 3 updates; the others are lost")
