@@ -54,6 +54,7 @@ def imitator(level: str, folder: Path) -> Path:
     # A training that was interrupted goes on, and one that is over is over.
     learn = ("train", "bc", "--preset", "small", "--data", str(data), "--levels", level)
     kept = ("--held-out", "0", "--eval-freq", "0", "--total-timesteps", str(MOMENTS))
+    kept += ("--learning-rate", "1e-3")
     run(*learn, *kept, "--eval-levels", level, "--out", str(agent))
     return agent
 

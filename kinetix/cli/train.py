@@ -64,12 +64,12 @@ class Common:
 
 
 def _arguments(algorithm: str) -> type[Common]:
-    """The flags of an algorithm: every hyper-parameter, not given by default."""
+    """The flags of an algorithm: every hyper-parameter that it reads, not given by default."""
     fields: list[Any] = []
     for owner in (CONFIGS[algorithm], NetworkConfig):
         notes = field_notes(owner)
         for field in dataclasses.fields(owner):
-            if field.name in ("network", "dummy_env"):
+            if field.name in {"network", "dummy_env", *CONFIGS[algorithm].unread}:
                 continue
             text = f"{notes[field.name]} ({field.default})"
             kind: Any = Annotated[

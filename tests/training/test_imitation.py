@@ -3,6 +3,7 @@
 import dataclasses
 import json
 import shutil
+import types
 from typing import get_args
 
 import jax
@@ -29,7 +30,7 @@ from kinetix.level.sets import SetLevel
 from kinetix.level.sizes import SIZES
 from kinetix.training.config import ActionName, BcConfig
 from kinetix.training.imitation import lessons, sources, starts, teach
-from kinetix.training.imitation.clone import imitation_loss
+from kinetix.training.imitation.clone import imitation_loss, in_pieces, kept_back
 from kinetix.training.imitation.lessons import played_again, state_at
 from kinetix.training.run import train
 from kinetix.training.settings import make_config
@@ -227,6 +228,25 @@ def test_controls_that_are_not_there_say_nothing():
     np.testing.assert_allclose(imitation_loss(other, action, live, smoothing=0.0)[0], loss)
 
 
+def test_of_many_levels_whole_ones_are_kept_back_and_of_few_some_episodes():
+    random = np.random.default_rng(0)
+    many = kept_back([f"level {k % 100}" for k in range(600)], 0.05, random)
+    assert many.levels == 5 and len(many.episodes) == 30
+    assert len({k % 100 for k in many.episodes}) == 5
+    few = kept_back(["a", "b"] * 50, 0.05, random)
+    assert few.levels == 0 and few.episodes.tolist() == [0, 1, 2, 3, 4]
+    assert not len(kept_back(["a", "b"], 0.05, random).episodes)
+
+
+def test_everything_that_is_kept_back_is_judged():
+    for count in (1, 3, 64, 65, 129, 200):
+        pieces = in_pieces(np.arange(count), 64, 8)
+        assert pieces.shape[1] <= 64 and set(pieces.ravel()) == set(range(count))
+        assert pieces.size - count < len(pieces)
+    assert in_pieces(np.arange(10_000), 64, 8).shape == (8, 64)
+    assert not in_pieces(np.arange(0), 64, 8).size
+
+
 def test_smoothing_is_least_where_the_choice_is_likely_but_not_certain():
     live = jnp.zeros((1, 6), bool).at[:, 0].set(True)
     action = jnp.zeros((1, 6), jnp.int32)
@@ -248,6 +268,7 @@ def test_smoothing_is_least_where_the_choice_is_likely_but_not_certain():
         ({"data": _SOLVED, "dummy_env": True}, "dummy_env: imitation plays"),
         ({"data": _SOLVED, "recurrent_model": True}, "recurrent_model"),
         ({"data": _SOLVED, "label_smoothing": 1.5}, "label_smoothing"),
+        ({"data": _SOLVED, "teacher_coef": 0.5}, "teacher_coef: imitation does not read it"),
     ],
 )
 def test_settings_that_cannot_work_are_told_at_once(values, says):
@@ -318,6 +339,27 @@ def test_levels_whose_win_is_lost_are_named(monkeypatch):
         starts_of(levels[1:], monkeypatch, lost)
 
 
+def test_a_level_has_its_share_of_the_starts_however_long_its_win_is(monkeypatch):
+    episode = np.repeat([0, 1], [90, 10])
+    moments = {"timestep": episode}
+
+    def played(env, wins, *, gamma):
+        told = types.SimpleNamespace(episode=episode, count=100)
+        return lessons.Replayed(lessons=told, episodes=2, lost=(1,))
+
+    monkeypatch.setattr(starts, "played_again", played)
+    monkeypatch.setattr(starts, "_win", lambda level, env: None)
+    monkeypatch.setattr(starts, "state_at", lambda lessons, rows: moments)
+    levels = [
+        SetLevel(name=str(k), level=rocket(), weight=weight) for k, weight in enumerate((3, 5, 1))
+    ]
+    found = starts.starts_on_the_way(levels, None)
+    assert found.without == ("1",)
+    reset = starts.beginning_on_the_way(lambda key: {"timestep": jnp.int32(0)}, found, 1.0)
+    drawn = jax.vmap(reset)(jax.random.split(jax.random.key(0), 2000))["timestep"]
+    assert 0.22 < float(jnp.mean(drawn)) < 0.28
+
+
 def test_the_share_of_starts_on_the_way_is_a_share():
     with pytest.raises(KinetixError, match="demo_starts"):
         make_config("ppo", values={"demo_starts": 1.5})
@@ -376,9 +418,18 @@ def test_an_interrupted_teacher_says_what_is_kept(
     assert f"stopped: {kept}{under_way}\n" in told
 
 
+def test_imitation_refuses_options_that_it_does_not_read(tmp_path, capsys):
+    words = ["train", "bc", "--data", "s/goalkeeper", "--out", str(tmp_path / "run")]
+    assert main([*words, "--ent-coef", "0.1"]) == 2
+    assert "Unrecognized or misplaced options" in capsys.readouterr().err
+    assert main(["train", "bc", "--help"]) == 0
+    told = capsys.readouterr().out
+    assert "--label-smoothing" in told and "--ent-coef" not in told
+
+
 @pytest.mark.slow
 def test_a_row_of_imitation_says_what_it_is_about(tmp_path, capsys):
-    options = {"minibatch_size": 16, "num_minibatches": 2, "num_train_envs": 2, "eval_freq": 0}
+    options = {"minibatch_size": 16, "num_minibatches": 2, "eval_freq": 0}
     options |= {"observation_type": "symbolic_flat", "total_timesteps": 32, "held_out": 0.0}
     flags = [word for k, v in options.items() for word in (f"--{k.replace('_', '-')}", str(v))]
     out, data = str(tmp_path / "run"), tmp_path / "data"

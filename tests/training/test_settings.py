@@ -10,6 +10,7 @@ from kinetix.agents.networks.config import NetworkConfig
 from kinetix.errors import KinetixError
 from kinetix.level.codec import load_level, save_level
 from kinetix.level.sizes import capacity_of, parse_capacity
+from kinetix.training.config import BcConfig
 from kinetix.training.devices import check_divisible
 from kinetix.training.settings import dumps_config, field_notes, loads_config, make_config, presets
 from tests.training.tiny import tiny_config
@@ -270,6 +271,12 @@ def test_demonstrations_that_are_too_large_for_a_presets_size_have_their_own():
     assert all(room.covers(capacity_of(level)) for level in levels)
     assert make_config("bc", preset="small", values={"data": ("s/goalkeeper",)}).size == "s"
     assert make_config("bc", preset="small", values={**large, "size": "l"}).size == "l"
+
+
+def test_the_preset_leaves_imitation_its_own_defaults():
+    config = make_config("bc", preset="small", values={"data": ("s/goalkeeper",)})
+    for name in ("learning_rate", "total_timesteps", "minibatch_size"):
+        assert getattr(config, name) == getattr(BcConfig, name)
 
 
 def test_demonstrations_are_played_under_their_physics_whatever_the_preset(tmp_path):

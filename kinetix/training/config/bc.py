@@ -20,11 +20,31 @@ class BcConfig(PpoConfig):
     label_smoothing: float = 0.05
     """Share of the target that is spread over all choices."""
     held_out: float = 0.05
-    """Share of the episodes that is measured and not learnt from."""
+    """Share that is measured and not learnt from: of many levels whole ones, else of the
+    episodes."""
     total_timesteps: int = 8_388_608
     """Moments in all, repetitions included."""
 
     update_size: ClassVar[tuple[str, ...]] = ("minibatch_size", "num_minibatches")
+
+    unread: ClassVar[frozenset[str]] = frozenset(
+        {
+            "bootstrap_on_timeout",
+            "clip_eps",
+            "critic_warmup",
+            "demo_starts",
+            "ent_coef",
+            "full_minibatch_shuffle",
+            "gae_lambda",
+            "num_steps",
+            "num_train_envs",
+            "permute_state_during_training",
+            "stagger_starts",
+            "teacher_coef",
+            "teacher_frac",
+            "update_epochs",
+        }
+    )
 
     def uneven(self, devices: int) -> str:
         """Nothing is shared out, so that no number of devices is refused."""
@@ -62,6 +82,9 @@ class BcConfig(PpoConfig):
             raise KinetixError("recurrent_model: imitation learns from single moments")
         if self.minibatch_size < 1:
             raise KinetixError(f"minibatch_size: expected at least 1, got {self.minibatch_size}")
+        for name in ("teacher_coef", "critic_warmup"):
+            if getattr(self, name):
+                raise KinetixError(f"{name}: imitation does not read it: leave it out")
         for name in ("label_smoothing", "held_out"):
             if not 0 <= getattr(self, name) < 1:
                 raise KinetixError(f"{name}: expected 0 … below 1, got {getattr(self, name)}")

@@ -162,6 +162,9 @@ class PpoConfig:
     update_size: ClassVar[tuple[str, ...]] = ("num_steps", "num_train_envs")
     """Fields whose product is `steps_per_update`."""
 
+    unread: ClassVar[frozenset[str]] = frozenset()
+    """Fields that the algorithm has and does not read."""
+
     @property
     def steps_per_update(self) -> int:
         """Environment steps of one update; moments, where demonstrations are learnt from."""

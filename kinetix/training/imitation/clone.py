@@ -1,6 +1,7 @@
 """Behavioural cloning: the likelihood of what a teacher did, and a critic on what it got."""
 
 import dataclasses
+from collections.abc import Sequence
 from typing import Any
 
 import jax
@@ -25,6 +26,8 @@ from kinetix.training.work import Work
 from kinetix.wording import plural
 
 _UPDATE = "update"
+_ENOUGH_LEVELS = 5
+"""Whole levels are kept back where they would be at least so many."""
 _SAMPLE = 4096
 """Moments of which the statistics of observations are taken."""
 
@@ -64,10 +67,13 @@ class Clone:
         random.shuffle(episodes)  # pyright: ignore[reportArgumentType]
         self.played = played_again(setup.env, episodes, gamma=config.gamma)
         lessons = self.played.lessons
-        # Whole episodes are kept back: moments of one episode are much alike.
-        kept_back = lessons.episode < int(config.held_out * self.played.episodes)
-        self._train_rows = np.flatnonzero(~kept_back)
-        self._held_out = np.flatnonzero(kept_back)
+        lost = set(self.played.lost)
+        names = [each.level for index, each in enumerate(episodes) if index not in lost]
+        self.kept_back = kept_back(names, config.held_out, random)
+        judged = np.isin(lessons.episode, self.kept_back.episodes)
+        self._train_rows = np.flatnonzero(~judged)
+        held_out = random.permutation(np.flatnonzero(judged))
+        self._held_out = in_pieces(held_out, config.minibatch_size, config.num_minibatches)
         self._lessons = jax.device_put(lessons)
         self._update = jax.jit(self._one_update)
         self._judge = jax.jit(self._measured)
@@ -75,9 +81,11 @@ class Clone:
     @property
     def told(self) -> str:
         """Summary of the demonstrations, and a line for each file that was skipped."""
-        played, held = self.played, int(self._config.held_out * self.played.episodes)
+        played, held, levels = self.played, len(self.kept_back.episodes), self.kept_back.levels
         lost = f"; {len(played.lost)} are not won here and left out" if played.lost else ""
-        kept = f"{plural(held, 'demonstration')} held out" if held else "too few to hold any out"
+        others = f" of {plural(levels, 'other level')}" if levels else ""
+        kept = f"{plural(held, 'demonstration')}{others} held out"
+        kept = kept if held else "too few to hold any out"
         learnt = (
             f"learning from {plural(played.episodes, 'demonstration')} with "
             f"{plural(played.lessons.count, 'moment')}, {kept}{lost}"
@@ -111,9 +119,9 @@ class Clone:
         learner, report = self.work(
             _UPDATE, self._update, self._lessons, state.learner, state.statistics, rows
         )
-        if len(self._held_out):
-            chosen = np.resize(self._held_out, config.minibatch_size)
-            judged = self._judge(self._lessons, learner, state.statistics, jnp.asarray(chosen))
+        if self._held_out.size:
+            rows = jnp.asarray(self._held_out)
+            judged = self._judge(self._lessons, learner, state.statistics, rows)
             report |= {f"held_out/{name}": value for name, value in judged.items()}
         return CloneState(learner=learner, statistics=state.statistics, key=key), report
 
@@ -142,9 +150,12 @@ class Clone:
         lessons: Lessons,
         learner: Learner,
         statistics: Normalisation | None,
-        rows: Int[Array, " n"],
+        rows: Int[Array, "m n"],
     ) -> dict[str, Array]:
-        return self._loss(learner.params, lessons, statistics, rows)[1]
+        def of_piece(rows: Int[Array, " n"]) -> dict[str, Array]:
+            return self._loss(learner.params, lessons, statistics, rows)[1]
+
+        return jax.tree.map(jnp.mean, jax.lax.map(of_piece, rows))
 
     def _loss(
         self,
@@ -169,6 +180,45 @@ class Clone:
             "loss/agreement": agreement,
         }
         return report["loss/total"], report
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class KeptBack:
+    """Demonstrations that are measured and not learnt from."""
+
+    episodes: Int[np.ndarray, " n"]
+    """Their indices."""
+    levels: int
+    """Number of levels that they are of and nothing is learnt of; 0: of the same ones."""
+
+
+def kept_back(names: Sequence[str], share: float, random: np.random.Generator) -> KeptBack:
+    """Choose what is kept back: whole levels of many, as their episodes are much alike.
+
+    Args:
+        names: The level of each demonstration, the demonstrations in a random order.
+        share: How many of the levels; where they are few, of the demonstrations.
+        random: Chooses the levels.
+    """
+    levels = sorted(set(names))
+    count = int(share * len(levels))
+    if count < _ENOUGH_LEVELS:
+        return KeptBack(episodes=np.arange(int(share * len(names))), levels=0)
+    chosen = set(random.permutation(levels)[:count].tolist())
+    episodes = [index for index, name in enumerate(names) if name in chosen]
+    return KeptBack(episodes=np.array(episodes), levels=count)
+
+
+def in_pieces(rows: Int[np.ndarray, " n"], size: int, most: int) -> Int[np.ndarray, "m k"]:
+    """Return rows in equal pieces, the last one filled up with the first rows.
+
+    Args:
+        rows: Of more than fit into all pieces, the first ones.
+        size: Rows of a piece at most.
+        most: Pieces at most.
+    """
+    pieces = max(min(-(-len(rows) // size), most), 1)
+    return np.resize(rows, (pieces, min(-(-len(rows) // pieces), size)))
 
 
 def _said(

@@ -26,6 +26,8 @@ class Demonstration:
     """First state, as numpy arrays."""
     actions: Int[np.ndarray, "k 6"]
     """Multi-discrete, one per environment step, up to the winning one."""
+    level: str = ""
+    """Name of the level, which its copies and mirror images share."""
 
 
 def origin_of(sources: Sequence[str]) -> Origin:
@@ -75,6 +77,7 @@ def demonstrations(
         Demonstration(
             state=jax.tree.map(np.asarray, level_state(found.episode.level, static_env_params)),
             actions=found.episode.action,
+            level=found.episode.level.name,
         )
         for source in sources
         for found in episodes_of(source, tell)
