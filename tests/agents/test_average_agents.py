@@ -1,12 +1,22 @@
 """The script that averages agents: what the card of the average says."""
 
+import dataclasses
+
 import jax
 import jax.numpy as jnp
+import pytest
 
 from kinetix.agents.agent import Agent
-from kinetix.agents.card import AgentCard, CapacityCard, ObservationCard
+from kinetix.agents.card import (
+    ActionCard,
+    AgentCard,
+    CapacityCard,
+    NormalisationCard,
+    ObservationCard,
+)
 from kinetix.agents.networks.config import NetworkConfig
 from kinetix.agents.shapes import init_parameters
+from kinetix.errors import KinetixError
 from scripts.average_agents import averaged
 
 CARD = AgentCard(
@@ -17,6 +27,20 @@ CARD = AgentCard(
     training={"algorithm": "ppo", "seed": 3, "environment_steps": 2048, "wall_time": 9.5},
     results={"eval/mean": 0.9},
 )
+
+
+def test_agents_of_different_kinds_have_no_average():
+    parameters = init_parameters(CARD, jax.random.key(0))
+    statistics = NormalisationCard(count=1.0, mean={}, variance={})
+    others = {
+        "network": CARD.replace(network=dataclasses.replace(CARD.network, actor_depth=2)),
+        "action": CARD.replace(action=ActionCard(type="discrete")),
+        "normalisation": CARD.replace(normalisation=statistics),
+    }
+    for part, card in others.items():
+        agents = [Agent(card.replace(name="other"), parameters), Agent(CARD, parameters)]
+        with pytest.raises(KinetixError, match=f"other and ppo-s-2048 have no .*their {part} diff"):
+            averaged(agents)
 
 
 def test_an_average_does_not_claim_what_one_of_its_agents_did():
