@@ -2,6 +2,7 @@
 
 import dataclasses
 import hashlib
+import re
 from pathlib import Path
 from typing import Final
 
@@ -10,6 +11,8 @@ import msgspec
 from kinetix.agents.checkpoint import RUN_CHECKPOINTS
 from kinetix.agents.player import Player
 
+_SEED: Final = re.compile(r"seed_\d+")
+"""Folder of one of several runs that differ by their seeds; others are called the same."""
 _CARD_DIGITS: Final = 16
 """Length of a card's digest."""
 
@@ -21,12 +24,15 @@ def name_in_run(checkpoint: Path) -> str:
         checkpoint: The checkpoint's directory.
 
     Returns:
-        The run's folder and the environment steps; empty where it belongs to no run.
+        The run's folder and the environment steps, `lr=1e-3/seed_0@64` where the run is one of
+        several seeds; empty where it belongs to no run.
     """
     folder = checkpoint.resolve()
     if folder.parent.name != RUN_CHECKPOINTS or not folder.name.isdigit():
         return ""
-    return f"{folder.parent.parent.name}@{folder.name}"
+    run = folder.parent.parent
+    name = f"{run.parent.name}/{run.name}" if _SEED.fullmatch(run.name) else run.name
+    return f"{name}@{folder.name}"
 
 
 def digest_of(player: Player) -> str:

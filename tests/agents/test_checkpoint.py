@@ -154,6 +154,10 @@ def test_the_newest_checkpoint_of_a_run_is_taken(agent, tmp_path):
     (tmp_path / "checkpoints" / "11").mkdir()
     (tmp_path / "checkpoints" / ".12.34.tmp").mkdir()
     assert load_agent(tmp_path).card.name == f"{tmp_path.name}@10"
+    seed = tmp_path / "lr=0.1" / "seed_0"
+    seed.mkdir(parents=True)
+    (tmp_path / "checkpoints").rename(seed / "checkpoints")
+    assert load_agent(seed).card.name == "lr=0.1/seed_0@10"
 
 
 def test_the_description_is_judged_before_any_array_is_read(copy):
