@@ -27,6 +27,7 @@ from kinetix.training.directory import (
     unreadable_agent,
 )
 from kinetix.training.imitation.clone import Clone
+from kinetix.training.in_vain import cut_short, learns_nothing
 from kinetix.training.logging import Sink, keep_damaged_rows, open_sinks
 from kinetix.training.loop import Report, Training, checkpoint_of, loop, save
 from kinetix.training.origin import check_origin, dumps_origin, origin_of, read_origin
@@ -163,8 +164,9 @@ def _say_first(trainer: Trainer, config: PpoConfig, say: Say) -> None:
         )
     if isinstance(trainer, Clone):
         say(trainer.told)
-    if trainer.setup.cut_short():
-        say(f"warning: {trainer.setup.cut_short()}")
+    for warning in (cut_short(trainer.setup), learns_nothing(trainer.setup)):
+        if warning:
+            say(f"warning: {warning}")
 
 
 def _keep_config(out: Path, text: str, config: PpoConfig, progress: StoredProgress) -> None:

@@ -45,7 +45,7 @@ from kinetix.environment.reset import (
 from kinetix.environment.state import EnvState
 from kinetix.errors import KinetixError
 from kinetix.level.sets import SetLevel, gather_levels, training_part
-from kinetix.training.config import PpoConfig, ReplayConfig, SflConfig
+from kinetix.training.config import PpoConfig
 from kinetix.training.devices import OWN, check_divisible, on_each_device
 from kinetix.training.imitation.starts import beginning_on_the_way, starts_on_the_way
 from kinetix.training.ppo.rollout import Game, Playing, Rollout, begin
@@ -69,6 +69,8 @@ class Setup:
     levels: str
     """SHA-256 of the listed levels in their order, or of demonstrations; empty where levels are
     drawn."""
+    different: int = 0
+    """Number of different levels that can come to be played; 0: without end."""
     without_starts: tuple[str, ...] = ()
     """Listed levels of which no episode begins on the way of a win, though asked for."""
 
@@ -82,26 +84,6 @@ class Setup:
         """Draws the level of an episode."""
         assert self.game.env.reset_fn is not None
         return self.game.env.reset_fn
-
-    def cut_short(self) -> str:
-        """Return why long episodes are not scored or learnt from to their end; else nothing."""
-        config, longest = self.config, self.longest_episode
-        if isinstance(config, ReplayConfig):
-            played = config.num_steps * config.outer_rollout_steps
-            if played < longest:
-                return (
-                    f"num_steps × outer_rollout_steps = {played} is less than the longest episode "
-                    f"({longest} steps): later steps are never learnt from, and levels that last "
-                    "so long have no score"
-                )
-        if isinstance(config, SflConfig) and config.learnability_mode == "timesteps":
-            played = config.rollout_steps
-            if played < 2 * longest:
-                return (
-                    f"rollout_steps = {played} is less than two of the longest episodes ({longest} "
-                    "steps each): levels are scored by their short episodes"
-                )
-        return ""
 
     def fresh_levels(self, key: Array, count: int) -> EnvState:
         """Levels from the reset function, without those that are won by doing nothing.
@@ -301,6 +283,7 @@ def make_setup(config: PpoConfig, *, gradient_steps: int, teacher: Agent | None 
         ),
         ued=ued,
         levels=_digest(listed),
+        different=0 if config.permute_state_during_training or config.demo_starts else len(listed),
         without_starts=without_starts,
     )
 

@@ -18,6 +18,7 @@ from kinetix.errors import KinetixError
 from kinetix.level.codec import load_level, save_level
 from kinetix.level.model import Body, Circle, Level
 from kinetix.training.curricula.pages import page_updates, read_page
+from kinetix.training.in_vain import cut_short
 from kinetix.training.logging import read_metrics
 from kinetix.training.origin import read_origin
 from kinetix.training.run import train
@@ -265,7 +266,7 @@ def test_sfl_finishes_episodes_that_are_longer_than_a_rollout(tmp_path):
     )
     trainer = make_trainer(config)
     assert trainer.setup.longest_episode == 10
-    assert "rollout_steps = 8" in trainer.setup.cut_short()
+    assert "rollout_steps = 8" in cut_short(trainer.setup)
     state, ended = trainer.start(), []
     for _ in range(3):
         state, metrics = trainer.update(state)
@@ -320,10 +321,10 @@ def test_films_are_made_now_and_then(tmp_path):
 
 @pytest.mark.parametrize("algorithm", ["plr", "accel"])
 def test_levels_that_are_cut_before_their_end_are_warned_about(algorithm):
-    told = make_trainer(_config(algorithm, dummy_env=True)).setup.cut_short()
+    told = cut_short(make_trainer(_config(algorithm, dummy_env=True)).setup)
     assert told.startswith(
         "num_steps × outer_rollout_steps = 8 is less than the longest episode (256 steps): later "
         "steps are never learnt from"
     )
     enough = _config(algorithm, dummy_env=True, num_steps=128, total_timesteps=8 * 128 * 2)
-    assert not make_trainer(enough).setup.cut_short()
+    assert not cut_short(make_trainer(enough).setup)

@@ -1,6 +1,7 @@
 """Parts that a configuration is put together from."""
 
 import dataclasses
+import re
 import shutil
 from pathlib import Path
 from typing import Any
@@ -25,6 +26,7 @@ from kinetix.level.sizes import SIZES
 from kinetix.training.config import BcConfig, PpoConfig, ReplayConfig, SflConfig
 from kinetix.training.evaluation import TrainingEvaluation, evaluation_levels
 from kinetix.training.imitation.starts import Starts
+from kinetix.training.in_vain import learns_nothing
 from kinetix.training.settings import make_config, settings_of
 from kinetix.training.setup import make_setup
 from kinetix.training.start import train
@@ -172,6 +174,26 @@ def test_statistics_of_an_agent_are_not_dropped_in_silence() -> None:
     config = dataclasses.replace(config, network=agent.card.network)
     with pytest.raises(KinetixError, match="normalises what it sees"):
         make_setup(config, gradient_steps=1, teacher=agent)
+
+
+@pytest.mark.parametrize(
+    ("algorithm", "changes", "words"),
+    [
+        ("dr", {"exploratory_grad_updates": False}, "nothing is learnt"),
+        ("ppo", {"critic_warmup": 6}, "critic_warmup = 6 is no less than the 6 updates that learn"),
+        ("plr", {"buffer_duplicate_check": True}, "there are 2 levels, and .* = 4 are needed"),
+        ("dr", {"buffer_duplicate_check": True}, "^$"),
+        ("plr", {}, "^$"),
+        ("plr", {"exploratory_grad_updates": False}, "^$"),
+        ("ppo", {"critic_warmup": 5}, "^$"),
+    ],
+)
+def test_settings_that_leave_nothing_to_learn_are_told(
+    algorithm: str, changes: dict[str, Any], words: str
+) -> None:
+    levels = {"levels": ("s/first_flight", "s/wheelie")}
+    setup = make_setup(tiny_config(algorithm, **levels, **changes), gradient_steps=1)
+    assert re.search(words, learns_nothing(setup))
 
 
 def test_an_agent_that_sees_everything_as_it_is_gets_no_statistics() -> None:
