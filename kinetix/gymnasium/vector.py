@@ -186,7 +186,8 @@ class KinetixVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
         if self.render_mode is None or self._state is None:
             return None
         pixels = np.asarray(_draw(self.kinetix_env, self._state).astype(jnp.uint8))
-        return tuple(pixels.transpose(0, 2, 1, 3)[:, ::-1])
+        # A copy, as of one environment.
+        return tuple(np.array(pixels.transpose(0, 2, 1, 3)[:, ::-1], order="C"))
 
     def call(self, name: str, *args: Any, **words: Any) -> tuple[Any, ...]:
         """Ask every environment for an attribute, or call it; all are one here, and answer alike.

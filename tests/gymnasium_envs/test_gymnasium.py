@@ -177,6 +177,15 @@ def test_pictures_of_all(same):
     assert frames[0][-1].mean() < frames[0][20].mean()
 
 
+def test_pictures_may_be_written_into(same):
+    env = KinetixGymEnv(**LEVEL, render_mode="rgb_array")
+    env.reset(seed=0)
+    same.reset(seed=0)
+    for frame in (env.render(), *same.render()):
+        assert frame.flags.c_contiguous
+        frame[:5] = 0
+
+
 def test_each_environment_of_a_batch_has_the_spaces_of_one(same):
     for name in ("action_space", "observation_space"):
         assert same.get_attr(name) == (getattr(same, f"single_{name}"),) * 3
