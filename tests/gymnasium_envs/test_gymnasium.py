@@ -5,6 +5,7 @@ import pickle
 import re
 import subprocess
 import sys
+import warnings
 
 import gymnasium
 import numpy as np
@@ -333,6 +334,29 @@ def test_a_step_after_the_end_is_warned_of():
         env.step(noop(env))
     env.reset()
     env.step(noop(env))
+
+
+def test_a_batch_warns_once_of_each_episode_that_is_stepped_on():
+    env = KinetixVectorEnv(2, **LEVEL, autoreset_mode="Disabled", max_episode_steps=3)
+
+    def warnings_of(steps):
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always")
+            for _ in range(steps):
+                env.step(noop(env))
+        return [str(warning.message) for warning in caught]
+
+    env.reset(seed=0)
+    assert warnings_of(3) == []
+    (told,) = warnings_of(4)
+    assert "environments [0, 1] are over" in told and "reset_mask" in told
+    env.reset(options={"reset_mask": [False, True]})
+    (told,) = warnings_of(5)
+    assert "environments [1] are over" in told
+    env.reset(options={"reset_mask": [True, True]})
+    assert warnings_of(3) == []
+    env.reset()
+    assert warnings_of(3) == []
 
 
 def test_options_and_actions_that_mean_nothing_are_refused(same):
