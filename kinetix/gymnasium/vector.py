@@ -231,6 +231,27 @@ class KinetixVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
         """Return an attribute of every environment. See `call`."""
         return self.call(name)
 
+    def set_attr(self, name: str, values: Any) -> None:
+        """Set an attribute of every environment; all are one here.
+
+        Args:
+            name: Of the attribute, such as `render_mode`.
+            values: One for all; or a list or tuple of one per environment, all equal.
+
+        Raises:
+            KinetixError: There are differing values, or values of another number.
+        """
+        if isinstance(values, list | tuple):
+            first, *others = values or [None]
+            equal = all(one is first or np.array_equal(one, first) for one in others)
+            if len(values) != self.num_envs or not equal:
+                raise KinetixError(
+                    f"set_attr: {name!r} is one for all environments here: expected one value, or "
+                    f"{self.num_envs} equal ones"
+                )
+            values = first
+        setattr(self, name, values)
+
     def _mask(self, mask: Any) -> np.ndarray | None:
         if mask is None:
             return None

@@ -195,6 +195,17 @@ def test_each_environment_of_a_batch_has_the_spaces_of_one(same):
             same.call(name)
 
 
+def test_an_attribute_is_set_for_all_or_refused(same):
+    for values in (None, ["rgb_array"] * 3, "rgb_array"):
+        same.set_attr("render_mode", values)
+        expected = "rgb_array" if values else None
+        assert same.get_attr("render_mode") == (expected,) * 3
+    for values in (["rgb_array", None, None], ["rgb_array"] * 2, []):
+        with pytest.raises(KinetixError, match=r"'render_mode' is one for all .* 3 equal ones"):
+            same.set_attr("render_mode", values)
+    assert same.render_mode == "rgb_array"
+
+
 def test_what_is_wrong_is_said(same):
     with pytest.raises(KinetixError, match="did you mean 's/goalkeeper'"):
         KinetixGymEnv(level="s/goalkeper")
