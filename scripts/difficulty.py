@@ -12,8 +12,10 @@ import itertools
 import json
 import sys
 from collections.abc import Iterator
+from pathlib import Path
 from typing import Final
 
+from kinetix.bundled import level_hint
 from kinetix.environment.env import KinetixEnv
 from kinetix.environment.plans import random_plans
 from kinetix.environment.search import play_plans, search_task, solving_env
@@ -29,15 +31,23 @@ PASSES: Final = 4
 """Passes of the search through a level that no random plan wins."""
 
 
+def bundled() -> dict[str, Path]:
+    """The files of all levels by name, those of a size together."""
+    return {
+        f"{size}/{path.stem}": path
+        for size in ("s", "m", "l")
+        for path in level_files(levels_dir() / size)
+    }
+
+
 def chosen(names: list[str]) -> Iterator[tuple[str, Level]]:
     """The levels to measure by name, such as `s/hang_on`."""
     efforts = read_efforts()
-    for size in ("s", "m", "l"):
-        for path in level_files(levels_dir() / size):
-            name, level = f"{size}/{path.stem}", load_level(path)
-            known = name in efforts and efforts[name].level == level_hash(level)
-            if name in names or not (names or known):
-                yield name, level
+    for name, path in bundled().items():
+        level = load_level(path)
+        known = name in efforts and efforts[name].level == level_hash(level)
+        if name in names or not (names or known):
+            yield name, level
 
 
 def effort_of(level: Level, env: KinetixEnv) -> Effort:
@@ -60,6 +70,10 @@ def effort_of(level: Level, env: KinetixEnv) -> Effort:
 
 def main(names: list[str]) -> None:
     """Measure the named levels, or all, and keep what comes out."""
+    unknown = sorted({*names} - {*bundled()})
+    if unknown:
+        near = level_hint(unknown[0])
+        sys.exit(f"difficulty: no bundled level {', '.join(unknown)}, such as s/hang_on{near}")
     for _, group in itertools.groupby(chosen(names), key=lambda each: each[0][0]):
         levels = dict(group)
         # One compilation for all of a size.

@@ -7,6 +7,7 @@ from kinetix.level.codec import level_hash, load_level, save_level
 from kinetix.level.model import Solution
 from kinetix.level.sets import level_files
 from kinetix.paths import levels_dir
+from scripts import difficulty
 from scripts.build_levels import built, with_proof
 from scripts.contact_sheet import GAP, LINE, sheet
 from scripts.library.grades import Effort, graded, read_efforts
@@ -100,6 +101,11 @@ def test_difficulty_is_the_effort_that_was_measured(lucky, passes, difficulty):
     assert graded(level, effort).tags == ("wheels", f"difficulty-{difficulty}", "unicycle")
     # What was measured on another level counts for nothing.
     assert graded(level.replace(max_timesteps=9), effort).tags == level.tags
+
+
+def test_a_name_that_no_level_has_is_not_measured():
+    with pytest.raises(SystemExit, match=r"no bundled level s/hang_onn.* did you mean 's/hang_on'"):
+        difficulty.main(["s/hang_onn"])
 
 
 def test_the_tags_say_what_was_measured():

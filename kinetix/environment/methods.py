@@ -91,7 +91,8 @@ class MethodsOfKinetixEnv:
         """Return the picture of a state: (height, width, 3), 0 … 255, the first row on top."""
         params = self.env_params if params is None else params
         pixels = make_render_pixels(params, self.static_env_params)(state)  # pyright: ignore[reportArgumentType]
-        return np.asarray(pixels.astype(jnp.uint8)).transpose(1, 0, 2)[::-1]
+        # A copy: others write captions into it, and torch takes no negative strides.
+        return np.array(np.asarray(pixels.astype(jnp.uint8)).transpose(1, 0, 2)[::-1], order="C")
 
 
 def set_method(env: Any, name: str, value: Any) -> None:

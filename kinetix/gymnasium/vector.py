@@ -39,7 +39,8 @@ class KinetixVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
     In the autoreset mode `NEXT_STEP` (the default) the step after an end starts the next episode
     and ignores its action; in `SAME_STEP` the step that ends an episode returns the start of the
     next one, and `info["final_obs"]` and `info["final_info"]` the last of the old; in `DISABLED`
-    `reset(options={"reset_mask": …})` does it.
+    `reset(options={"reset_mask": …})` does it, and a step of an episode that is over is warned of,
+    once each.
     """
 
     metadata: dict[str, Any] = {  # noqa: RUF012 (Gymnasium's own is one, too)
@@ -98,6 +99,8 @@ class KinetixVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
         self.observation_space = batch_space(self.single_observation_space, num_envs)
         self._state: Any = None
         self._ended = np.zeros(num_envs, bool)
+        self._over = np.zeros(num_envs, bool)
+        self._just_over = np.zeros(num_envs, bool)
         self._draws: Draws | None = None
 
     def reset(
@@ -130,9 +133,9 @@ class KinetixVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
             observation, state = _select(
                 chosen, (observation, state), (self._observation, self._state)
             )
-            self._ended = self._ended & ~mask
-        else:
-            self._ended = np.zeros(self.num_envs, bool)
+        left = np.zeros(self.num_envs, bool) if mask is None else ~mask
+        self._ended, self._over = self._ended & left, self._over & left
+        self._just_over = self._just_over & left
         self._observation, self._state = observation, state
         return numpy_observation(observation), {}
 
@@ -149,6 +152,12 @@ class KinetixVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
             )
         check_fits(actions, self.action_space)
         self._check_choices(actions)
+        if self._just_over.any():
+            rows = np.flatnonzero(self._just_over).tolist()
+            gymnasium.logger.warn(
+                f"step: the episodes of the environments {rows!s:.60} are over, and rewards "
+                "repeat; call reset with a reset_mask"
+            )
         assert self._draws is not None
         keys, before = self._draws.keys(), self._ended
         self._observation, self._state, told, final = _advance(
@@ -170,6 +179,9 @@ class KinetixVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
         elif self.mode is AutoresetMode.NEXT_STEP:
             self._draws.use(before)
             self._ended = ended
+        else:
+            self._just_over = ended & ~self._over
+            self._over = self._over | ended
         return numpy_observation(self._observation), reward, terminated, truncated, info
 
     def _check_choices(self, actions: np.ndarray) -> None:
@@ -186,7 +198,8 @@ class KinetixVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
         if self.render_mode is None or self._state is None:
             return None
         pixels = np.asarray(_draw(self.kinetix_env, self._state).astype(jnp.uint8))
-        return tuple(pixels.transpose(0, 2, 1, 3)[:, ::-1])
+        # A copy, as of one environment.
+        return tuple(np.array(pixels.transpose(0, 2, 1, 3)[:, ::-1], order="C"))
 
     def call(self, name: str, *args: Any, **words: Any) -> tuple[Any, ...]:
         """Ask every environment for an attribute, or call it; all are one here, and answer alike.
@@ -217,6 +230,27 @@ class KinetixVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
     def get_attr(self, name: str) -> tuple[Any, ...]:
         """Return an attribute of every environment. See `call`."""
         return self.call(name)
+
+    def set_attr(self, name: str, values: Any) -> None:
+        """Set an attribute of every environment; all are one here.
+
+        Args:
+            name: Of the attribute, such as `render_mode`.
+            values: One for all; or a list or tuple of one per environment, all equal.
+
+        Raises:
+            KinetixError: There are differing values, or values of another number.
+        """
+        if isinstance(values, list | tuple):
+            first, *others = values or [None]
+            equal = all(one is first or np.array_equal(one, first) for one in others)
+            if len(values) != self.num_envs or not equal:
+                raise KinetixError(
+                    f"set_attr: {name!r} is one for all environments here: expected one value, or "
+                    f"{self.num_envs} equal ones"
+                )
+            values = first
+        setattr(self, name, values)
 
     def _mask(self, mask: Any) -> np.ndarray | None:
         if mask is None:

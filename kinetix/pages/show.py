@@ -2,13 +2,16 @@
 
 import dataclasses
 import html
+import os
+import zipfile
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from kinetix.errors import KinetixError
+from kinetix.errors import KinetixError, LevelError
 from kinetix.files.atomic import write_atomically
+from kinetix.level.codec import load_level
 from kinetix.level.model import Level
 from kinetix.pages.film import Film
 from kinetix.pages.page import MOST_FILMS, page_of
@@ -51,8 +54,9 @@ def show(*shown: Any) -> Page:
     """Return a page that plays a run of `kinetix.simulate` or an episode; notebooks show it.
 
     Args:
-        *shown: A run, the path of an episode that the editor recorded (`.npz`), a film or a level;
-            or two of the same level, to be played side by side.
+        *shown: A run, the path of an episode that the editor recorded (`.npz`), a film, or a level,
+            its file or the name of a bundled one; or two of the same level, to be played side by
+            side.
 
     Raises:
         KinetixError: It is something else, or of different levels.
@@ -88,7 +92,9 @@ def _film(one: Any) -> Film:
     if isinstance(one, str) and not one:
         raise KinetixError("show: the path is empty")
     if isinstance(one, str | Path):
-        return film_of_file(Path(one))
+        if Path(one).suffix == ".npz" or (os.path.isfile(one) and zipfile.is_zipfile(one)):
+            return film_of_file(Path(one))
+        one = _level_of(one)
     if isinstance(one, Level):
         bodies = one.bodies
         return Film(
@@ -104,3 +110,18 @@ def _film(one: Any) -> Film:
         "show: expected a run of kinetix.simulate, the file of an episode (.npz), a film or a "
         f"level, got {type(one).__name__}"
     )
+
+
+def _level_of(name: str | Path) -> Level:
+    """The level of a file or name.
+
+    Raises:
+        KinetixError: There is none.
+    """
+    try:
+        return load_level(name)
+    except LevelError as error:
+        raise KinetixError(
+            "show: expected the file or the name of a level, or the file of an episode (.npz): "
+            f"{error}"
+        ) from error

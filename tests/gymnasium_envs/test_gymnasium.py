@@ -5,6 +5,7 @@ import pickle
 import re
 import subprocess
 import sys
+import warnings
 
 import gymnasium
 import numpy as np
@@ -177,12 +178,32 @@ def test_pictures_of_all(same):
     assert frames[0][-1].mean() < frames[0][20].mean()
 
 
+def test_pictures_may_be_written_into(same):
+    env = KinetixGymEnv(**LEVEL, render_mode="rgb_array")
+    env.reset(seed=0)
+    same.reset(seed=0)
+    for frame in (env.render(), *same.render()):
+        assert frame.flags.c_contiguous
+        frame[:5] = 0
+
+
 def test_each_environment_of_a_batch_has_the_spaces_of_one(same):
     for name in ("action_space", "observation_space"):
         assert same.get_attr(name) == (getattr(same, f"single_{name}"),) * 3
     for name in ("reset", "step"):
         with pytest.raises(KinetixError, match="plays the whole batch"):
             same.call(name)
+
+
+def test_an_attribute_is_set_for_all_or_refused(same):
+    for values in (None, ["rgb_array"] * 3, "rgb_array"):
+        same.set_attr("render_mode", values)
+        expected = "rgb_array" if values else None
+        assert same.get_attr("render_mode") == (expected,) * 3
+    for values in (["rgb_array", None, None], ["rgb_array"] * 2, []):
+        with pytest.raises(KinetixError, match=r"'render_mode' is one for all .* 3 equal ones"):
+            same.set_attr("render_mode", values)
+    assert same.render_mode == "rgb_array"
 
 
 def test_what_is_wrong_is_said(same):
@@ -324,6 +345,29 @@ def test_a_step_after_the_end_is_warned_of():
         env.step(noop(env))
     env.reset()
     env.step(noop(env))
+
+
+def test_a_batch_warns_once_of_each_episode_that_is_stepped_on():
+    env = KinetixVectorEnv(2, **LEVEL, autoreset_mode="Disabled", max_episode_steps=3)
+
+    def warnings_of(steps):
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always")
+            for _ in range(steps):
+                env.step(noop(env))
+        return [str(warning.message) for warning in caught]
+
+    env.reset(seed=0)
+    assert warnings_of(3) == []
+    (told,) = warnings_of(4)
+    assert "environments [0, 1] are over" in told and "reset_mask" in told
+    env.reset(options={"reset_mask": [False, True]})
+    (told,) = warnings_of(5)
+    assert "environments [1] are over" in told
+    env.reset(options={"reset_mask": [True, True]})
+    assert warnings_of(3) == []
+    env.reset()
+    assert warnings_of(3) == []
 
 
 def test_options_and_actions_that_mean_nothing_are_refused(same):

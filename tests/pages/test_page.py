@@ -12,7 +12,7 @@ import kinetix
 from editor.play.trace_files import write_trace
 from kinetix.cli import main
 from kinetix.errors import KinetixError
-from kinetix.level.codec import load_level
+from kinetix.level.codec import load_level, save_level
 from kinetix.pages.film import Film, packed, scene_of
 from kinetix.pages.page import page_of
 from tests.editor.core.helpers import a_level
@@ -180,6 +180,18 @@ def test_a_level_is_shown_in_a_notebook(tmp_path):
     assert "<script" not in framed
     page.save(tmp_path / "a.html")
     assert (tmp_path / "a.html").read_text() == page.html
+
+
+def test_a_level_is_shown_by_its_name_and_file(tmp_path):
+    level = load_level("s/goalkeeper")
+    save_level(level, tmp_path / "mine.json")
+    for named in ("s/goalkeeper", tmp_path / "mine.json"):
+        assert kinetix.show(named).html == kinetix.show(level).html
+    with pytest.raises(KinetixError, match=r"name of a level, .* did you mean 's/goalkeeper'"):
+        kinetix.show("s/goalkeper")
+    (tmp_path / "a.txt").write_text("text")
+    with pytest.raises(KinetixError, match=r"expected .* an episode \(\.npz\): .*a\.txt"):
+        kinetix.show(tmp_path / "a.txt")
 
 
 @pytest.mark.slow

@@ -14,7 +14,7 @@ from kinetix.engine.pipeline import step
 from kinetix.engine.presets import solver_named
 from kinetix.engine.spec import ARENA_BODIES, Capacity, Features, SceneSpec
 from kinetix.engine.types import Control, default_parameters
-from kinetix.environment.generators.draft import Draft, draft_of, states
+from kinetix.environment.generators.draft import Draft, components, draft_of, states
 from kinetix.environment.generators.draws import Tape, choose, raw_keys
 from kinetix.environment.generators.mutators import MUTATORS, NUMBERS, SETTLED
 from kinetix.environment.generators.params import UEDParams
@@ -99,7 +99,7 @@ def _mutation(
         options = dict.fromkeys(forced, True)
         draft = change(before, numbers, everywhere, ued, capacity, **options)
         if name in SETTLED:
-            draft = settled(draft, everywhere, capacity, ued)
+            draft = settled(before, draft, everywhere, capacity, ued)
         return _rebuilt(state, before, draft, capacity, ued)
 
     return worlds_first(batched)
@@ -112,12 +112,13 @@ def _series(
     def batched(keys: Array, state: EnvState) -> EnvState:
         rows = Tape(keys, num_edits * (NUMBERS + 1)).take(num_edits, NUMBERS + 1)
 
-        def edit(draft: Draft, numbers: Array) -> tuple[Draft, None]:
-            drawn = choose(numbers[NUMBERS], _weights(draft))
+        def edit(old: Draft, numbers: Array) -> tuple[Draft, None]:
+            draft, drawn = old, choose(numbers[NUMBERS], _weights(old))
             for index, name in enumerate(ACCEL_WEIGHTS):
                 draft = MUTATORS[name](draft, numbers[:NUMBERS], drawn == index, ued, capacity)
             loose = [drawn == index for index, name in enumerate(ACCEL_WEIGHTS) if name in SETTLED]
-            return settled(draft, functools.reduce(jnp.logical_or, loose), capacity, ued), None
+            marked = functools.reduce(jnp.logical_or, loose)
+            return settled(old, draft, marked, capacity, ued), None
 
         before = draft_of(state)
         draft, _ = jax.lax.scan(edit, before, rows)
@@ -144,10 +145,20 @@ def _weights(draft: Draft) -> Array:
     )
 
 
-def settled(draft: Draft, marked: Bool[Array, " n"], capacity: Capacity, ued: UEDParams) -> Draft:
-    """Put jointed bodies together again in the marked worlds, and everything there at rest.
+def settled(
+    before: Draft, draft: Draft, marked: Bool[Array, " n"], capacity: Capacity, ued: UEDParams
+) -> Draft:
+    """Put jointed bodies together again in the marked worlds.
 
-    A few physics steps without gravity, collisions and controls, from rest each time.
+    A few physics steps without gravity, collisions and controls, from rest each time. Bodies keep
+    their velocities; with `kinetix_quirks` the changed ones and all that is jointed to them rest.
+
+    Args:
+        before: The levels before the mutation.
+        draft: The levels after it.
+        marked: Which of them are put together.
+        capacity: Sizes of both.
+        ued: The options.
     """
     # No pair can push: what is not listed is not even compiled.
     spec = SceneSpec(capacity=capacity, features=Features(pairs=()))
@@ -180,7 +191,11 @@ def settled(draft: Draft, marked: Bool[Array, " n"], capacity: Capacity, ued: UE
     physics = jax.lax.fori_loop(0, SETTLING_STEPS, once, at_rest(start.physics))
     position = jnp.moveaxis(physics.position, 0, -1)
     rotation = jnp.moveaxis(physics.rotation, 0, -1)
-    figures = draft.figures
+    figures, velocity, spin = draft.figures, draft.velocity, draft.angular_velocity
+    if ued.kinetix_quirks:
+        resting = marked[None] & _with_jointed(_differing(before, draft), draft, capacity)
+        velocity = jnp.where(resting[:, None], 0.0, velocity)
+        spin = jnp.where(resting, 0.0, spin)
     return dataclasses.replace(
         draft,
         figures=dataclasses.replace(
@@ -188,9 +203,23 @@ def settled(draft: Draft, marked: Bool[Array, " n"], capacity: Capacity, ued: UE
             position=jnp.where(marked[None, None], position, figures.position),
             rotation=jnp.where(marked[None], rotation, figures.rotation),
         ),
-        velocity=jnp.where(marked[None, None], 0.0, draft.velocity),
-        angular_velocity=jnp.where(marked[None], 0.0, draft.angular_velocity),
+        velocity=velocity,
+        angular_velocity=spin,
     )
+
+
+def _differing(before: Draft, after: Draft) -> Bool[Array, "b n"]:
+    """Bodies of another shape or angle."""
+    old, new = before.figures, after.figures
+    return ~_same_bodies(before, after) | (old.rotation != new.rotation)
+
+
+def _with_jointed(
+    bodies: Bool[Array, "b n"], draft: Draft, capacity: Capacity
+) -> Bool[Array, "b n"]:
+    """These bodies and all that are jointed to them, directly or through others."""
+    label = components(draft.joints, capacity.bodies)
+    return jnp.any((label[:, None] == label[None]) & bodies[None], axis=1)
 
 
 def _rebuilt(
@@ -199,7 +228,7 @@ def _rebuilt(
     """The mutated state: what no mutation touched stays as it was, stored masses included."""
     engine = PhysicsEngine(spec=SceneSpec(capacity=capacity), solver=solver_named(SETTLING_PHYSICS))
     new = states(after, engine, ued.inertia_model)
-    same = _same_bodies(before, after)
+    same = jnp.moveaxis(_same_bodies(before, after), -1, 0)
     bodies = dataclasses.replace(
         new.world.bodies,
         inverse_mass=jnp.where(
@@ -219,10 +248,9 @@ def _rebuilt(
     )
 
 
-def _same_bodies(before: Draft, after: Draft) -> Bool[Array, "n b"]:
+def _same_bodies(before: Draft, after: Draft) -> Bool[Array, "b n"]:
     """Bodies whose mass has no reason to change."""
     old, new = before.figures, after.figures
     same = jnp.all(old.vertices == new.vertices, axis=(1, 2)) & (old.radius == new.radius)
     same = same & (old.density == new.density)
-    same = same & (old.fixed == new.fixed) & (old.active == new.active)
-    return jnp.moveaxis(same, -1, 0)
+    return same & (old.fixed == new.fixed) & (old.active == new.active)

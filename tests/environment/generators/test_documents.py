@@ -1,5 +1,6 @@
 """Random levels and mutations as documents, and the command that writes them."""
 
+import functools
 from pathlib import Path
 
 import pytest
@@ -117,6 +118,29 @@ def test_a_size_is_that_of_the_whole_shape() -> None:
         assert isinstance(shape, Polygon)
         sides += [max(axis) - min(axis) for axis in zip(*shape.vertices, strict=True)]
     assert 2 * UEDParams().max_shape_size >= max(sides) > 0.82 > min(sides) > 0.05
+
+
+@pytest.mark.parametrize("quirks", [True, False])
+def test_what_is_not_jointed_to_a_resized_shape_keeps_moving(
+    quirks: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    options = functools.partial(UEDParams, kinetix_quirks=quirks)
+    monkeypatch.setattr(documents, "UEDParams", options)
+    bodies = [b.replace(velocity=(1.0, 0.5), angular_velocity=2.0) for b in level().bodies]
+    before = level().replace(bodies=tuple(bodies))
+    changed = set()
+    for seed in range(6):
+        after = mutate_level(before, "change_size", seed)
+        pairs = list(zip(before.bodies, after.bodies, strict=True))
+        (resized,) = (old.id for old, new in pairs if old.shape != new.shape)
+        changed.add(resized)
+        resting = {new.id for _, new in pairs if new.velocity == (0.0, 0.0)}
+        component = {3} if resized == 3 else {5, 9}
+        assert resting == (component if quirks else set())
+        for old, new in pairs:
+            if new.id not in resting:
+                assert (new.velocity, new.angular_velocity) == (old.velocity, old.angular_velocity)
+    assert 3 in changed and changed & {5, 9}
 
 
 def test_creatures_are_drawn_for_their_name_alone(monkeypatch: pytest.MonkeyPatch) -> None:
