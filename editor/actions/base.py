@@ -83,7 +83,7 @@ class Action:
     tooltip: str = ""
     """A sentence more than the label."""
     variants: tuple[str, ...] = ()
-    """Chords that do it in another measure (`shift+left`); `run` sees which through the session."""
+    """Chords that do it too, some in another measure (`shift+left`): `run` asks the session."""
     enabled: Callable[[Session], bool] = always
     refusal: str = ""
     """Reason why it is disabled; empty for `editing`, `playing`, `selecting`."""

@@ -1,5 +1,6 @@
 """Rows of the View menu."""
 
+from functools import partial
 from typing import Final
 
 from editor.actions import view
@@ -89,6 +90,25 @@ VIEW: Final = (
         keys=("home",),
         context=Context.LEVEL,
         run=view.fit,
+    ),
+    Action(
+        id="view.zoom_in",
+        label="Zoom In",
+        menu="View",
+        context=Context.LEVEL,
+        keys=("ctrl++", "ctrl+="),
+        # A keyboard with a + of its own has it where others have a bracket.
+        variants=("ctrl+shift+=", "ctrl+]", "ctrl+[+]"),
+        run=partial(view.zoom, closer=True),
+    ),
+    Action(
+        id="view.zoom_out",
+        label="Zoom Out",
+        menu="View",
+        context=Context.LEVEL,
+        keys=("ctrl+-",),
+        variants=("ctrl+[-]",),
+        run=partial(view.zoom, closer=False),
     ),
     Action(
         id="view.actual_size",

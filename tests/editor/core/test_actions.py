@@ -47,6 +47,29 @@ def test_every_specified_action_is_there():
     assert len(BY_ID) == len(ACTIONS)
 
 
+@pytest.mark.parametrize(
+    ("key", "mods", "closer"),
+    [
+        ("=", {}, True),
+        ("=", {"shift": True}, True),
+        ("]", {}, True),
+        ("[+]", {}, True),
+        ("-", {}, False),
+        ("[-]", {}, False),
+    ],
+)
+def test_keys_zoom_where_the_pointer_is_or_in_the_middle(session, hand, key, mods, closer):
+    before = session.camera
+    hand.key(key, ctrl=True, **mods)
+    assert (session.camera.zoom > before.zoom) == closer != (session.camera.zoom < before.zoom)
+    assert session.camera.centre == pytest.approx(before.centre)
+    hand.move((1.0, 1.0))
+    there = session.camera.to_screen((1.0, 1.0))
+    hand.key(key, ctrl=True, **mods)
+    assert session.camera.to_screen((1.0, 1.0)) == pytest.approx(there)
+    assert session.camera.centre != pytest.approx(before.centre)
+
+
 def test_no_chord_means_two_things():
     for context in (Context.EDIT, Context.PLAY, Context.GALLERY):
         used = collections.Counter(
