@@ -52,7 +52,7 @@ def open_path(
             session.gallery.open = False
             session.show_tab(index)
             return True
-        if not anyway and _open_elsewhere(session, document.path):
+        if not anyway and open_elsewhere(session, document.path):
             _ask_elsewhere(session, document, replace=replace)
             return True
         if replace and not session.document.dirty and not session.tab.document.dirty:
@@ -99,7 +99,7 @@ def bring(session: Session, level: Level) -> None:
         session.open_tab(Document(level))
 
 
-def _open_elsewhere(session: Session, path: Path) -> bool:
+def open_elsewhere(session: Session, path: Path) -> bool:
     """Return whether another window has a file open; the app's own are open to everybody."""
     return not filing.bundled(path) and session.autosaves.open_elsewhere(path)
 
