@@ -111,7 +111,7 @@ class FileBrowser:
         imgui.begin_child("files", size, imgui.ChildFlags_.always_use_window_padding.value)
         entries = self._choice.entries()
         if not entries:
-            widgets.muted(self._choice.error or nothing_here(self._question))
+            widgets.muted(self._choice.unreadable or nothing_here(self._question))
         if self._choice.hidden:
             widgets.muted(self._choice.hidden)
         for path in entries:
@@ -208,11 +208,8 @@ class FileBrowser:
             return self._folder_footer(session)
         accept = "Save" if self._choice.saving else "Open"
         entered = self._name_field(session, "File name, or a path")
-        if self._choice.error or self._choice.overwrite is not None:
-            warning = (
-                self._choice.error
-                or f"{self._choice.name} is there already. Press {accept} to replace it."
-            )
+        warning = self._choice.told(accept)
+        if warning:
             self._warn(warning, imgui.get_content_region_avail().x - 2 * px(96) - px(40))
             imgui.same_line()
         width = px(96)
