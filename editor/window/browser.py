@@ -97,11 +97,8 @@ class FileBrowser:
             widgets.tooltip(str(folder))
         imgui.same_line(0, px(10))
         imgui.align_text_to_frame_padding()
-        words = str(self._choice.folder)
         room = imgui.get_content_region_avail().x - px(6)
-        while imgui.calc_text_size(words).x > room and "/" in words[2:]:
-            words = "…/" + words.lstrip("…/").split("/", 1)[-1]
-        widgets.muted(words)
+        widgets.raw(widgets.fitted_path(self._choice.folder, room), COLOURS.muted)
 
     def _list(self, session: "Session", size: tuple[float, float]) -> bool:
         """The folder's content; returns whether a file was chosen by a double click."""
