@@ -43,7 +43,8 @@ def open_path(
     try:
         document = files.open_document(path, session.old_names)
     except LevelError as error:
-        tell(session, "This cannot be opened", files.why_not(path, error))
+        title, shown = "This cannot be opened", files.told_plainly(path, error)
+        tell(session, title, shown, logged=files.why_not(path, error))
         return False
     with session.guard():
         assert document.path is not None
@@ -131,9 +132,9 @@ def _ask_elsewhere(session: Session, document: Document, *, replace: bool) -> No
     )
 
 
-def tell(session: Session, title: str, message: str) -> None:
-    """Say what could not be done, until the user has read it; several become one window."""
-    session.log.add(message)
+def tell(session: Session, title: str, message: str, *, logged: str = "") -> None:
+    """Say what could not be done, until it is read, several in one window; the log has `logged`."""
+    session.log.add(logged or message)
     shown = message if len(message) <= MESSAGE_LENGTH else f"{message[:MESSAGE_LENGTH]}…"
     for prompt in session.prompts:
         if isinstance(prompt, Question) and prompt.title == title:
