@@ -53,6 +53,8 @@ class Settings:
     """The one of them that was in front."""
     save_folder: str = ""
     """Folder of the level that was saved last, unless it came with the app."""
+    export_folder: str = ""
+    """Folder of the picture, film or other export that was written last."""
     snap_smart: bool = True
     snap_grid: bool = True
     grid_visible: bool = True

@@ -80,15 +80,16 @@ class FileBrowser:
         return self._footer(session, chosen)
 
     def _places(self, session: "Session") -> None:
-        for index, (label, folder) in enumerate(
-            (
-                (f"{Icons.up}", self._choice.folder.parent),
-                ("My levels", user_levels_dir()),
-                ("Levels", levels_dir()),
-                ("Home folder", Path.home()),
-                ("Here", working_dir()),
-            )
-        ):
+        home, here = Path.home(), working_dir()
+        places = [
+            (f"{Icons.up}", self._choice.folder.parent),
+            ("My levels", user_levels_dir()),
+            ("Levels", levels_dir()),
+            ("Home folder", home),
+        ]
+        if here not in (home, Path(here.anchor)):
+            places.append(("Here", here))  # the app was started in a terminal
+        for index, (label, folder) in enumerate(places):
             if index:
                 imgui.same_line(0, px(4))
             name = f"browser.place.{index}"
