@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Final
 
 import tyro
 
+from editor.actions import reopen
 from editor.actions.agents import load_agent
 from editor.base.settings import LARGEST_SIDE, SCALES, Settings, SettingsKeeper
 from editor.documents.autosaves import Autosaves
@@ -74,7 +75,7 @@ def _size(text: str) -> tuple[int, int]:
 
 
 def _welcome() -> Path | None:
-    """The level that the app opens on when none is named."""
+    """The level that the app opens on when none is named, and none was open last time."""
     for name in ("l/rover_ridge", "s/first_flight"):
         path = levels_dir() / f"{name}.json"
         if os.path.isfile(path):
@@ -223,6 +224,7 @@ def _until_closed(session: Session, host: "PygameHost") -> None:
         session.save_aside()
         session.training.stop()
     host.ui.save_layout()
+    reopen.note(session)
     session.keeper.save()
     session.kept_set.keep(session.gallery.tray)
     if told:
@@ -230,16 +232,17 @@ def _until_closed(session: Session, host: "PygameHost") -> None:
 
 
 def _open_files(options: Options, session: Session) -> None:
-    from editor.actions import address, file, guide, recover
+    from editor.actions import address, guide, recover
 
     # A replay is asked nothing, and so whoever records one is not either.
     asks = options.replay is None and options.record is None
     if not options.files:
-        if asks:
+        if asks and not session.settings.layout:  # it is kept at every end: this start is the first
             guide.offer(session)
         welcome = _welcome() if options.replay is None else None
-        if welcome is not None:
-            file.open_path(session, welcome)
+        if not (asks and reopen.reopen(session)) and welcome is not None:
+            with session.guard():
+                reopen.open_quietly(session, welcome)
         if asks:
             recover.offer(session)
         return

@@ -34,6 +34,11 @@ def checkpoints_dir() -> Path:
     return _bundled("checkpoints")
 
 
+def docs_dir() -> Path:
+    """Folder of the documents in a checkout; an installation has none."""
+    return _bundled("docs")
+
+
 def user_levels_dir() -> Path:
     """Folder in which the user's own levels are looked for and put; it need not exist."""
     return Path(platformdirs.user_documents_dir()) / "Kinetix"

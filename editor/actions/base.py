@@ -75,6 +75,8 @@ class Action:
     """Text in the menu."""
     menu: str
     """Menu it stands in: File, Edit, Tools, Arrange, View, Run, Level, Gallery, Help."""
+    group: str = ""
+    """Neighbours of one group stand together in the menu; a line divides them from others."""
     keys: tuple[str, ...] = ()
     """Default chords, as `KeyEvent.chord` writes them: `ctrl+shift+z`."""
     context: Context = Context.GLOBAL
@@ -83,8 +85,10 @@ class Action:
     tooltip: str = ""
     """A sentence more than the label."""
     variants: tuple[str, ...] = ()
-    """Chords that do it in another measure (`shift+left`); `run` sees which through the session."""
+    """Chords that do it too, some in another measure (`shift+left`): `run` asks the session."""
     enabled: Callable[[Session], bool] = always
+    passing: bool = False
+    """True if the menu has it only while it can be done."""
     refusal: str = ""
     """Reason why it is disabled; empty for `editing`, `playing`, `selecting`."""
     run: Callable[[Session], None]

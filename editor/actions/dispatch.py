@@ -236,7 +236,7 @@ def _drawing(session: Session) -> bool:
 
 def _repeats(action: Action) -> bool:
     """Return whether holding the key does the action again and again."""
-    repeating = ("transform.", "run.step", "edit.undo", "edit.redo", "gallery.move")
+    repeating = ("transform.", "run.step", "edit.undo", "edit.redo", "gallery.move", "view.zoom")
     return action.id.startswith(repeating)
 
 

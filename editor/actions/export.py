@@ -1,11 +1,12 @@
 """Exports: pictures, films and traces of what is on show."""
 
+import contextlib
 import os
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any, Final
 
-from editor.actions import file, films
+from editor.actions import file, films, folders
 from editor.base.prompts import Choice, FileQuestion, MenuQuestion, Question
 from editor.documents.commands.bodies import posed
 from editor.documents.document import Document
@@ -23,7 +24,7 @@ from kinetix.files.atomic import check_target, write_atomically, write_with_back
 from kinetix.level.codec import dumps
 from kinetix.level.model import Level
 from kinetix.pages.page import page_of
-from kinetix.paths import levels_dir, working_dir
+from kinetix.paths import user_levels_dir
 
 PICTURES: Final = tuple(
     Choice(id=f"png{n}", label=f"Picture, {500 * n} × {500 * n}", detail="PNG")
@@ -59,9 +60,7 @@ def _ask_path(session: Session, choice: str, trace: Trace | None) -> None:
     # An episode that is set aside while its level is changed can still be filmed.
     played = session.playback.level or document.level
 
-    def answer(path: Path | None) -> None:
-        if path is None:
-            return
+    def write(path: Path) -> None:
         if suffix == ".png":
             request = ExportPicture(
                 level=shown[0],
@@ -86,12 +85,23 @@ def _ask_path(session: Session, choice: str, trace: Trace | None) -> None:
         FileQuestion(
             purpose="save",
             title="Export as",
-            folder=_folder(session),
+            folder=folders.to_export(session),
             name=f"{Path(document.title).stem}{suffix}",
             suffixes=(suffix,),
-            answer=answer,
+            answer=_remembered(session, write),
         )
     )
+
+
+def _remembered(session: Session, write: Callable[[Path], None]) -> Callable[[Path | None], None]:
+    """Return an answer that writes a file and keeps its folder for the next export."""
+
+    def answer(path: Path | None) -> None:
+        if path is not None:
+            session.settings.export_folder = str(path.parent.absolute())
+            write(path)
+
+    return answer
 
 
 def _on_show(session: Session) -> tuple[Level, Any]:
@@ -132,13 +142,6 @@ def _same(one: Path | None, other: Path) -> bool:
     return one is not None and one.resolve() == other.resolve()
 
 
-def _folder(session: Session) -> Path:
-    path = session.document.path
-    if path is not None and not path.is_relative_to(levels_dir()):
-        return path.parent.absolute()
-    return working_dir()
-
-
 def open_trace(session: Session, path: Path) -> bool:
     """Show an episode from a file on its level; whether it is shown, else a window says why."""
     try:
@@ -167,7 +170,7 @@ def ask_trace(session: Session) -> None:
         FileQuestion(
             purpose="open",
             title="Open an episode",
-            folder=_folder(session),
+            folder=folders.to_export(session),
             suffixes=(SUFFIX,),
             answer=answer,
         )
@@ -234,18 +237,17 @@ def ask_clip(session: Session) -> None:
         raise CommandError("Play first: there is nothing to film.")
     clip = trace if playback.loop is None else trace.part(*playback.loop)
 
-    def answer(path: Path | None) -> None:
-        if path is not None:
-            film(session, level, clip, path)
+    def write(path: Path) -> None:
+        film(session, level, clip, path)
 
     session.ask(
         FileQuestion(
             purpose="save",
             title="Export the clip as .gif or .mp4",
-            folder=_folder(session),
+            folder=folders.to_export(session),
             name=f"{Path(session.document.title).stem}.gif",
             suffixes=films.SUFFIXES,
-            answer=answer,
+            answer=_remembered(session, write),
         )
     )
 
@@ -259,18 +261,17 @@ def ask_page(session: Session) -> None:
         raise CommandError("Play first: there is nothing to share.")
     clip = trace if playback.loop is None else trace.part(*playback.loop)
 
-    def answer(path: Path | None) -> None:
-        if path is not None:
-            write_page(session, level, clip, path)
+    def write(path: Path) -> None:
+        write_page(session, level, clip, path)
 
     session.ask(
         FileQuestion(
             purpose="save",
             title="Share the episode as a page",
-            folder=_folder(session),
+            folder=folders.to_export(session),
             name=f"{Path(session.document.title).stem}{PAGE}",
             suffixes=(PAGE,),
-            answer=answer,
+            answer=_remembered(session, write),
         )
     )
 
@@ -351,8 +352,11 @@ def screenshot(session: Session) -> None:
 
 
 def free_name(session: Session, suffix: str) -> Path:
-    """A file name in the level's folder that nothing has yet: `title-001.png`."""
-    folder, stem, number = _folder(session), Path(session.document.title).stem, 1
+    """A file name in the folder of exports that nothing has yet: `title-001.png`."""
+    folder, stem, number = folders.to_export(session), Path(session.document.title).stem, 1
+    if folder == user_levels_dir():
+        with contextlib.suppress(OSError):  # the write says so
+            folder.mkdir(parents=True, exist_ok=True)
     awaited = {*writing(session).values(), *(film.path for film in session.unwritten)}
     while os.path.exists(path := folder / f"{stem}-{number:03}{suffix}") or path in awaited:
         number += 1

@@ -43,7 +43,8 @@ def open_path(
     try:
         document = files.open_document(path, session.old_names)
     except LevelError as error:
-        tell(session, "This cannot be opened", files.why_not(path, error))
+        title, shown = "This cannot be opened", files.told_plainly(path, error)
+        tell(session, title, shown, logged=files.why_not(path, error))
         return False
     with session.guard():
         assert document.path is not None
@@ -52,7 +53,7 @@ def open_path(
             session.gallery.open = False
             session.show_tab(index)
             return True
-        if not anyway and _open_elsewhere(session, document.path):
+        if not anyway and open_elsewhere(session, document.path):
             _ask_elsewhere(session, document, replace=replace)
             return True
         if replace and not session.document.dirty and not session.tab.document.dirty:
@@ -99,7 +100,7 @@ def bring(session: Session, level: Level) -> None:
         session.open_tab(Document(level))
 
 
-def _open_elsewhere(session: Session, path: Path) -> bool:
+def open_elsewhere(session: Session, path: Path) -> bool:
     """Return whether another window has a file open; the app's own are open to everybody."""
     return not filing.bundled(path) and session.autosaves.open_elsewhere(path)
 
@@ -131,9 +132,9 @@ def _ask_elsewhere(session: Session, document: Document, *, replace: bool) -> No
     )
 
 
-def tell(session: Session, title: str, message: str) -> None:
-    """Say what could not be done, until the user has read it; several become one window."""
-    session.log.add(message)
+def tell(session: Session, title: str, message: str, *, logged: str = "") -> None:
+    """Say what could not be done, until it is read, several in one window; the log has `logged`."""
+    session.log.add(logged or message)
     shown = message if len(message) <= MESSAGE_LENGTH else f"{message[:MESSAGE_LENGTH]}…"
     for prompt in session.prompts:
         if isinstance(prompt, Question) and prompt.title == title:

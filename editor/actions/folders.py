@@ -5,7 +5,7 @@ from pathlib import Path
 
 from editor.gallery import filing
 from editor.session import Session
-from kinetix.paths import levels_dir, user_levels_dir
+from kinetix.paths import levels_dir, user_levels_dir, working_dir
 
 
 def to_open(session: Session) -> Path:
@@ -24,3 +24,17 @@ def to_save(session: Session) -> Path:
     last = Path(session.settings.save_folder)
     own = last.is_absolute() and os.path.isdir(last) and not filing.bundled(last)
     return last if own else user_levels_dir()
+
+
+def to_export(session: Session) -> Path:
+    """Return the proposed folder for what is made of a level: the level's, else the last one used.
+
+    A script's is the one that it was started from.
+    """
+    path = session.document.path
+    if path is not None and not filing.bundled(path):
+        return path.parent.absolute()
+    if not session.attended:
+        return working_dir()
+    last = Path(session.settings.export_folder)
+    return last if last.is_absolute() and os.path.isdir(last) else user_levels_dir()

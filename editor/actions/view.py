@@ -4,7 +4,7 @@ import dataclasses
 from collections.abc import Callable
 from typing import Final
 
-from editor.base.camera import ARENA
+from editor.base.camera import ARENA, ZOOM_NOTCH
 from editor.base.prompts import TextQuestion
 from editor.base.settings import DEBUG_FIRST
 from editor.editing.picking import selection_box
@@ -14,6 +14,8 @@ from kinetix.errors import CommandError
 
 BUILT_IN_LAYOUTS: Final = ("edit", "play", "evaluate")
 """Layouts that come with the app (`editor.window.layouts` has them)."""
+_ZOOM_STEP: Final = ZOOM_NOTCH**2
+"""Factor of one press of the keys that zoom."""
 
 
 def choose(tool: str) -> Callable[[Session], None]:
@@ -50,6 +52,14 @@ def fit(session: Session) -> None:
 def actual_size(session: Session) -> None:
     """100 pixels a metre."""
     session.camera = dataclasses.replace(session.camera, zoom=1.0)
+
+
+def zoom(session: Session, *, closer: bool) -> None:
+    """Zoom by a step: at the pointer, or in the middle where the pointer is not on the canvas."""
+    camera, hands = session.camera, session.hands
+    middle = (camera.origin[0] + camera.size[0] / 2, camera.origin[1] + camera.size[1] / 2)
+    at = middle if hands.cursor is None else hands.cursor_screen
+    session.camera = camera.zoomed(_ZOOM_STEP if closer else 1 / _ZOOM_STEP, at)
 
 
 def switch(name: str) -> Callable[[Session], None]:

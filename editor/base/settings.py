@@ -47,8 +47,14 @@ class Settings:
 
     recents: list[str] = dataclasses.field(default_factory=list)
     """Paths, newest first."""
+    open_files: list[str] = dataclasses.field(default_factory=list)
+    """Level files that were open when the app closed last; empty while it goes on."""
+    front_file: str = ""
+    """The one of them that was in front."""
     save_folder: str = ""
     """Folder of the level that was saved last, unless it came with the app."""
+    export_folder: str = ""
+    """Folder of the picture, film or other export that was written last."""
     snap_smart: bool = True
     snap_grid: bool = True
     grid_visible: bool = True
@@ -129,6 +135,7 @@ class Settings:
             setattr(settings, name, value)
         settings.recents = [path for path in settings.recents if is_text(path)]
         settings.recent_agents = [path for path in settings.recent_agents if is_text(path)]
+        settings.open_files = [path for path in settings.open_files if is_text(path)]
         return settings
 
     def save(self, path: Path | None = None) -> None:

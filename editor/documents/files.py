@@ -1,5 +1,6 @@
 """Level files of the app: open, save with a backup, changes from outside."""
 
+import contextlib
 import os
 from pathlib import Path
 from typing import Final
@@ -135,9 +136,35 @@ def nowhere(document: Document) -> bool:
 
 
 def why_not(path: str | Path, error: LevelError) -> str:
-    """Return why a file cannot be opened, and what it is instead where that is known."""
-    if Path(path).suffix.lower() not in ("", *LEVEL_SUFFIXES) and os.path.isfile(path):
-        return f"{path}: this is no level; a level is a file that ends in .json"
-    if is_set_file(Path(path)):
-        return f"{path}: this is a level set; drop it on the window, and the gallery takes it"
-    return str(error)
+    """Return why a file cannot be opened, and what it is instead where that is known.
+
+    Returns:
+        A sentence with the whole path.
+    """
+    other = _what_else(Path(path))
+    return f"{path}: {other}" if other else str(error)
+
+
+def told_plainly(path: str | Path, error: LevelError) -> str:
+    """Return why a file cannot be opened: its name first, its folder in a line of its own."""
+    file = Path(path)
+    with contextlib.suppress(LevelError):
+        file = resolve_path(path)
+    reason = _what_else(file) or str(error).removeprefix(f"{path}: ").removeprefix(f"{file}: ")
+    reason = reason.removeprefix("$: ").replace("; $: ", "; ")
+    if file.is_absolute():
+        reason = reason.replace(", nor a bundled level of this name", "")
+    if reason.startswith("expected UTF-8 text"):
+        reason = "this is no text; a level is a text file in JSON"
+    elif reason.startswith("not JSON"):
+        reason = f"this is no level, or a damaged one: {reason}"
+    return f"{file.name}: {reason}\n{file.parent}"
+
+
+def _what_else(path: Path) -> str:
+    """Return what a file is that is no level; empty where it may be one."""
+    if path.suffix.lower() not in ("", *LEVEL_SUFFIXES) and os.path.isfile(path):
+        return "this is no level; a level is a file that ends in .json"
+    if is_set_file(path):
+        return "this is a level set; drop it on the window, and the gallery takes it"
+    return ""

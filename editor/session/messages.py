@@ -14,6 +14,13 @@ from kinetix.errors import CommandError, KinetixError
 LOG: Final = logging.getLogger(__name__)
 TOAST_SECONDS: Final = 5.0
 UNDO_TOAST_SECONDS: Final = 8.0
+ERROR_TOAST_SECONDS: Final = 15.0
+_READ_AT_ONCE: Final = 60
+"""What is longer stays longer [characters]."""
+_READING: Final = 20.0
+"""So fast a long message is read [characters a second]."""
+_HELD: Final = 2.0
+"""After the pointer has left a message it stays for so long at least [s]."""
 _MOST: Final = 400
 """Most characters of a message on the screen."""
 _END: Final = 80
@@ -21,7 +28,7 @@ _END: Final = 80
 Kind: TypeAlias = Literal["info", "success", "warning", "error"]
 
 
-@dataclasses.dataclass(frozen=True, kw_only=True)
+@dataclasses.dataclass(kw_only=True)
 class Toast:
     """A short message that goes by itself."""
 
@@ -65,14 +72,21 @@ class Messages:
         action: str | None = None,
         offered: Callable[[], bool] = lambda: True,
     ) -> None:
-        """Show a message for a few seconds; the same message is not stacked."""
+        """Show a message until it can be read; the same message is not stacked."""
         self.log.add(text)
         text = _shortened(text)
         seconds = UNDO_TOAST_SECONDS if action else TOAST_SECONDS
+        seconds += max(len(text) - _READ_AT_ONCE, 0) / _READING
+        if kind == "error":
+            seconds = max(seconds, ERROR_TOAST_SECONDS)
         self.toasts = [toast for toast in self.toasts if toast.text != text]
         until = self._clock() + seconds
         shown = Toast(text=text, kind=kind, until=until, action=action, offered=offered)
         self.toasts.append(shown)
+
+    def hold(self, toast: Toast) -> None:
+        """Keep a message that the pointer is on."""
+        toast.until = max(toast.until, self._clock() + _HELD)
 
     def withdraw(self, action: str) -> None:
         """Take the messages that offer an action away: it was done, or can be done no more."""

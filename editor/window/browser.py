@@ -80,15 +80,16 @@ class FileBrowser:
         return self._footer(session, chosen)
 
     def _places(self, session: "Session") -> None:
-        for index, (label, folder) in enumerate(
-            (
-                (f"{Icons.up}", self._choice.folder.parent),
-                ("My levels", user_levels_dir()),
-                ("Levels", levels_dir()),
-                ("Home folder", Path.home()),
-                ("Here", working_dir()),
-            )
-        ):
+        home, here = Path.home(), working_dir()
+        places = [
+            (f"{Icons.up}", self._choice.folder.parent),
+            ("My levels", user_levels_dir()),
+            ("Levels", levels_dir()),
+            ("Home folder", home),
+        ]
+        if here not in (home, Path(here.anchor)):
+            places.append(("Here", here))  # the app was started in a terminal
+        for index, (label, folder) in enumerate(places):
             if index:
                 imgui.same_line(0, px(4))
             name = f"browser.place.{index}"
@@ -97,11 +98,8 @@ class FileBrowser:
             widgets.tooltip(str(folder))
         imgui.same_line(0, px(10))
         imgui.align_text_to_frame_padding()
-        words = str(self._choice.folder)
         room = imgui.get_content_region_avail().x - px(6)
-        while imgui.calc_text_size(words).x > room and "/" in words[2:]:
-            words = "…/" + words.lstrip("…/").split("/", 1)[-1]
-        widgets.muted(words)
+        widgets.raw(widgets.fitted_path(self._choice.folder, room), COLOURS.muted)
 
     def _list(self, session: "Session", size: tuple[float, float]) -> bool:
         """The folder's content; returns whether a file was chosen by a double click."""
@@ -111,7 +109,7 @@ class FileBrowser:
         imgui.begin_child("files", size, imgui.ChildFlags_.always_use_window_padding.value)
         entries = self._choice.entries()
         if not entries:
-            widgets.muted(self._choice.error or nothing_here(self._question))
+            widgets.muted(self._choice.unreadable or nothing_here(self._question))
         if self._choice.hidden:
             widgets.muted(self._choice.hidden)
         for path in entries:
@@ -208,11 +206,8 @@ class FileBrowser:
             return self._folder_footer(session)
         accept = "Save" if self._choice.saving else "Open"
         entered = self._name_field(session, "File name, or a path")
-        if self._choice.error or self._choice.overwrite is not None:
-            warning = (
-                self._choice.error
-                or f"{self._choice.name} is there already. Press {accept} to replace it."
-            )
+        warning = self._choice.told(accept)
+        if warning:
             self._warn(warning, imgui.get_content_region_avail().x - 2 * px(96) - px(40))
             imgui.same_line()
         width = px(96)

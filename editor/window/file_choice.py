@@ -25,6 +25,10 @@ class FileChoice:
         """A line about the files that are not listed because their names are not text; or empty."""
         self.overwrite: Path | None = None
         """A file that has this name already: accepting once more replaces it."""
+        self.missing: Path | None = None
+        """A folder that is not there: accepting once more makes it."""
+        self.unreadable = ""
+        """Sentence about why the folder on show cannot be listed; empty: it can."""
         self.to_name = True
         """True if the keyboard goes to the name in the next frame."""
 
@@ -41,11 +45,17 @@ class FileChoice:
     def enter(self, name: str) -> None:
         """Take a name as it is being typed."""
         if name != self.name:
-            self.name, self.error, self.overwrite = name, "", None
+            self.name = name
+            self._begin_anew()
 
     def pick(self, path: Path) -> None:
         """Take a file of the folder."""
-        self.name, self.overwrite, self.to_name = path.name, None, True
+        self.name, self.to_name = path.name, True
+        self._begin_anew()
+
+    def _begin_anew(self) -> None:
+        """Forget what was asked back about another name or folder."""
+        self.error, self.overwrite, self.missing = "", None, None
 
     def _can_show(self, folder: Path) -> bool:
         """Return whether a folder is there; the user's own is made when something is saved."""
@@ -54,18 +64,18 @@ class FileChoice:
     def go(self, folder: Path) -> None:
         """Show another folder, if it is there."""
         if self._can_show(folder):
-            self.folder = folder
-            self.error, self.overwrite = "", None
-            self.to_name = True
+            self.folder, self.to_name = folder, True
+            self._begin_anew()
 
     def entries(self) -> list[Path]:
         """The folders on show, then the files that could be meant, by name."""
+        self.unreadable = ""
         try:
             every = [path for path in self.folder.iterdir() if not path.name.startswith(".")]
         except OSError as error:
             if self.folder == user_levels_dir() and isinstance(error, FileNotFoundError):
                 return []
-            self.error = f"{self.folder}: {error.strerror or error}"
+            self.unreadable = f"{self.folder}: {error.strerror or error}"
             return []
         found = [path for path in every if is_text(path.name)]
         hidden = len(every) - len(found)
@@ -132,16 +142,32 @@ class FileChoice:
         return True, path
 
     def _has(self, folder: Path) -> bool:
-        """Return whether a folder is there to save in; the user's own is made."""
-        if folder != user_levels_dir():
-            self.error = "" if os.path.isdir(folder) else f"There is no folder {folder}."
-            return not self.error
+        """Return whether a folder is there to save in: it is made, after asking back once."""
+        if os.path.isdir(folder):
+            return True
+        if self.missing != folder and folder != user_levels_dir():
+            self.missing = folder
+            return False
         try:
             folder.mkdir(parents=True, exist_ok=True)
         except OSError as error:
             self.error = f"{folder}: cannot be made: {error.strerror or error}"
             return False
         return True
+
+    def told(self, accept: str) -> str:
+        """Return what is wrong, or what accepting once more does; empty where neither is.
+
+        Args:
+            accept: Words of the button that accepts.
+        """
+        if self.error:
+            return self.error
+        if self.missing is not None:
+            return f"There is no folder {self.missing.name}. Press {accept} to make it."
+        if self.overwrite is not None:
+            return f"{self.name} is there already. Press {accept} to replace it."
+        return ""
 
 
 def nothing_here(question: FileQuestion) -> str:

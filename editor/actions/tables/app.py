@@ -2,10 +2,37 @@
 
 from typing import Final
 
-from editor.actions import guide, view
+from editor.actions import about, guide, view
 from editor.actions.base import Action
 
 APP: Final = (
+    Action(
+        id="app.help",
+        label="Keys and Help",
+        menu="Help",
+        group="help",
+        keys=("f1",),
+        checked=view.is_on("help"),
+        run=view.switch("help"),
+    ),
+    Action(
+        id="app.guide",
+        label="Guided First Level",
+        menu="Help",
+        group="help",
+        tooltip="Build a car and drive it to its goal, in ten small steps.",
+        run=guide.start,
+    ),
+    Action(
+        id="app.documents",
+        label="Documentation",
+        menu="Help",
+        group="help",
+        tooltip="Where the documents lie.",
+        enabled=lambda session: bool(about.documents()),
+        refusal="There are no documents beside this installation.",
+        run=about.show_documents,
+    ),
     Action(
         id="app.palette",
         label="Command Palette",
@@ -13,13 +40,6 @@ APP: Final = (
         keys=("ctrl+shift+p",),
         checked=view.is_on("palette"),
         run=view.switch("palette"),
-    ),
-    Action(
-        id="app.guide",
-        label="Guided First Level",
-        menu="Help",
-        tooltip="Build a car and drive it to its goal, in ten small steps.",
-        run=guide.start,
     ),
     Action(
         id="app.preferences",
@@ -39,11 +59,11 @@ APP: Final = (
         run=view.switch("keys"),
     ),
     Action(
-        id="app.help",
-        label="Keys and Help",
+        id="app.about",
+        label="About Kinetix",
         menu="Help",
-        keys=("f1",),
-        checked=view.is_on("help"),
-        run=view.switch("help"),
+        group="about",
+        tooltip="The version, and the folders of levels, agents and settings.",
+        run=about.show_about,
     ),
 )

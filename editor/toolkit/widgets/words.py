@@ -1,5 +1,7 @@
 """Words: lines, badges, tooltips, what an empty panel says."""
 
+import contextlib
+from pathlib import Path
 from typing import Final
 
 from imgui_bundle import imgui
@@ -146,6 +148,16 @@ def fitted(words: str, room: float) -> str:
     while words and imgui.calc_text_size(words + "…").x > room:
         words = words[:-1]
     return words.rstrip() + "…" if words else ""
+
+
+def fitted_path(path: Path, room: float) -> str:
+    """Return a path cut to a width [px]: its end, with `~` for the user's folder."""
+    words = str(path)
+    with contextlib.suppress(ValueError, RuntimeError):
+        words = str("~" / path.relative_to(Path.home()))
+    while imgui.calc_text_size(words).x > room and "/" in words[2:]:
+        words = "…/" + words.lstrip("…/").split("/", 1)[-1]
+    return words
 
 
 def input_line(identity: str, hint: str, typed: str, flags: int = 0) -> tuple[bool, str]:

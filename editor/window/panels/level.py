@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from imgui_bundle import imgui
 
+from editor.actions.file import NEW_LEVEL
 from editor.base.language import tr
 from editor.documents.commands.fields import SetLevelField
 from editor.documents.tags import tags_of
@@ -53,7 +54,10 @@ class LevelPanel(Panel):
             with widgets.property_table("level", label=0.37) as opened:
                 if opened:
                     widgets.row("Name")
-                    self._text(session, "name", level.name, _name, longest=MAX_TITLE)
+                    # The name that every new level has is none: typing gives one, not more of it.
+                    new = level.name == NEW_LEVEL.name
+                    name, hint = ("", NEW_LEVEL.name) if new else (level.name, "")
+                    self._text(session, "name", name, _name, hint=hint, longest=MAX_TITLE)
                     widgets.row("Tags", "Words of a–z, 0–9, - and _, separated by spaces.")
                     self._text(session, "tags", " ".join(level.tags), _tags)
                     widgets.row("Time limit", "Environment steps; 30 of them take a second.")
@@ -68,7 +72,14 @@ class LevelPanel(Panel):
                 self._arena(session, level)
 
     def _text(
-        self, session: "Session", field: str, value: str, read: Read, *, longest: int = 0
+        self,
+        session: "Session",
+        field: str,
+        value: str,
+        read: Read,
+        *,
+        hint: str = "",
+        longest: int = 0,
     ) -> None:
         """A text that commits on Enter or when the field is left."""
         put = _setter(session, field)
@@ -78,7 +89,7 @@ class LevelPanel(Panel):
             if stored is not None:
                 put(stored)
 
-        self._texts.line(session, f"level.{field}", value, commit, longest=longest)
+        self._texts.line(session, f"level.{field}", value, commit, hint=hint, longest=longest)
 
     def _description(self, session: "Session", level: Level) -> None:
         widgets.muted("Description")

@@ -34,6 +34,8 @@ MENUS: Final = (
 _WITHOUT_A_LEVEL: Final = frozenset({"Edit", "Tools", "Arrange", "Run"})
 """Menus that have nothing to do while the gallery is in front."""
 
+_FOLDER_WIDTH: Final = 200.0
+"""Width of the folder beside a recent file [px at 100 %]."""
 _MORE: Final = f"{Icons.more}###more"
 
 
@@ -77,25 +79,39 @@ class MenuBar:
                 imgui.end_menu()
 
     def _menu(self, session: "Session", menu: str) -> None:
-        for action in actions.ACTIONS:
-            if action.menu == menu:
-                item(session, action.id)
-        if menu == "File":
-            imgui.separator()
-            self._new_from(session)
-            self._recents(session)
-            self._examples(session)
-        elif menu == "View":
-            imgui.separator()
-            self._layouts(session)
+        lists = {
+            "file.new": self._new_from,
+            "file.open": self._recents,
+            "file.open_comparison": self._examples,
+            "view.keep_layout": self._layouts,
+        }
+        shown = [
+            action
+            for action in actions.ACTIONS
+            if action.menu == menu and not (action.passing and not action.enabled(session))
+        ]
+        for before, action in zip([None, *shown], shown, strict=False):
+            if before is not None and before.group != action.group:
+                imgui.separator()
+            item(session, action.id)
+            if action.id in lists:
+                lists[action.id](session)
 
     def _recents(self, session: "Session") -> None:
+        """The files that were opened or saved last: their names, their folders beside them."""
         recents = session.settings.recents
-        if imgui.begin_menu(tr("Open Recent"), bool(recents)):
-            for number, path in enumerate(recents):
-                if imgui.menu_item_simple(widgets.labelled(path, f"recent-{number}")):
-                    session.queue(lambda path=path: _open(session, path))
-            imgui.end_menu()
+        opened = imgui.begin_menu(tr("Open Recent"), bool(recents))
+        widgets.probe(session, "menu.recent")
+        if not opened:
+            return
+        for number, path in enumerate(recents):
+            folder = widgets.fitted_path(Path(path).parent, px(_FOLDER_WIDTH))
+            label = widgets.labelled(Path(path).name, f"recent-{number}")
+            if imgui.menu_item_simple(label, folder):
+                session.queue(lambda path=path: _open(session, path))
+            widgets.probe(session, f"menu.recent.{number}")
+            widgets.tooltip(path, own=True)
+        imgui.end_menu()
 
     def _new_from(self, session: "Session") -> None:
         """The levels that a new one can begin with."""

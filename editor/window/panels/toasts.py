@@ -1,5 +1,6 @@
 """Short messages in the window's lower right corner, beside the arena; they go by themselves."""
 
+import functools
 from typing import TYPE_CHECKING, Final
 
 from imgui_bundle import imgui
@@ -88,6 +89,8 @@ class Toasts:
             widgets.text(KIND_ICONS[toast.kind], colour)
             imgui.same_line(0, px(9))
             self._words(session, toast, number, room)
+            if imgui.is_window_hovered():
+                session.queue(functools.partial(session.messages.hold, toast))
             bottom -= imgui.get_window_size().y + px(_GAP)
             imgui.end()
             imgui.pop_style_color()

@@ -19,8 +19,9 @@ from editor.play.mode import Mode
 from kinetix.errors import CommandError
 from kinetix.level.codec import dumps, save_level
 from kinetix.level.model import Body, Circle, Level, Limits, Polygon
-from kinetix.paths import levels_dir
+from kinetix.paths import config_dir, levels_dir
 from kinetix.scenes import SCENE_CLASSES
+from kinetix.version import __version__
 from tests.editor.core.helpers import SQUARE, Hand, a_level, a_session, texts
 
 EXPECTED = re.findall(
@@ -45,6 +46,50 @@ level.mutate_menu level.permute level.previous level.next app.palette app.help
 def test_every_specified_action_is_there():
     assert set(EXPECTED) <= set(BY_ID)
     assert len(BY_ID) == len(ACTIONS)
+
+
+def test_what_belongs_together_stands_together_and_quit_is_last():
+    menus = {action.menu: [] for action in ACTIONS}
+    for action in ACTIONS:
+        menus[action.menu].append(action)
+    for rows in menus.values():
+        groups = [group for group, _ in itertools.groupby(row.group for row in rows) if group]
+        assert len(groups) == len(set(groups)) and 1 <= len(groups) < 10
+    assert menus["File"][-1].id == "file.quit"
+
+
+def test_the_app_tells_its_version_and_where_it_keeps_what(session):
+    assert actions.run(session, "app.about")
+    (about,) = session.prompts
+    assert __version__ in about.message and str(config_dir()) in about.message
+    session.answer(about, "copy")
+    assert session.clipboard.get() == about.message
+    assert actions.run(session, "app.documents")
+    (documents,) = session.prompts
+    assert documents.message.endswith("index.md")
+
+
+@pytest.mark.parametrize(
+    ("key", "mods", "closer"),
+    [
+        ("=", {}, True),
+        ("=", {"shift": True}, True),
+        ("]", {}, True),
+        ("[+]", {}, True),
+        ("-", {}, False),
+        ("[-]", {}, False),
+    ],
+)
+def test_keys_zoom_where_the_pointer_is_or_in_the_middle(session, hand, key, mods, closer):
+    before = session.camera
+    hand.key(key, ctrl=True, **mods)
+    assert (session.camera.zoom > before.zoom) == closer != (session.camera.zoom < before.zoom)
+    assert session.camera.centre == pytest.approx(before.centre)
+    hand.move((1.0, 1.0))
+    there = session.camera.to_screen((1.0, 1.0))
+    hand.key(key, ctrl=True, **mods)
+    assert session.camera.to_screen((1.0, 1.0)) == pytest.approx(there)
+    assert session.camera.centre != pytest.approx(before.centre)
 
 
 def test_no_chord_means_two_things():

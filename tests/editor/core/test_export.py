@@ -1,6 +1,7 @@
 """Exports of a level in another program's format."""
 
 import dataclasses
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -32,6 +33,32 @@ def export_level(session, path):
     actions.run(session, "file.export")
     session.answer(session.prompts[-1], "json")
     session.answer(session.prompts[-1], path)
+
+
+def test_where_exports_begin(session, tmp_path, monkeypatch):
+    monkeypatch.setattr("editor.actions.folders.user_levels_dir", lambda: tmp_path / "Kinetix")
+    monkeypatch.setattr("editor.actions.export.user_levels_dir", lambda: tmp_path / "Kinetix")
+
+    def asked():
+        actions.run(session, "file.export")
+        session.answer(session.prompts[-1], "json")
+        return session.prompts[-1].folder
+
+    assert asked() == tmp_path  # beside the level
+    session.prompts.clear()
+    actions.run(session, "file.new")
+    assert asked() == Path.cwd()  # a script's
+    session.prompts.clear()
+    session.attended = True
+    assert asked() == tmp_path / "Kinetix"
+    (tmp_path / "other").mkdir()
+    session.answer(session.prompts[-1], tmp_path / "other" / "theirs.json")
+    assert asked() == tmp_path / "other"
+    session.prompts.clear()
+    session.settings.export_folder = str(tmp_path / "gone")
+    actions.run(session, "file.screenshot")
+    assert session.screenshot == tmp_path / "Kinetix" / "Untitled-001.png"
+    assert (tmp_path / "Kinetix").is_dir()
 
 
 def test_a_level_is_exported_for_kinetix_env_as_it_stands(session, tmp_path):

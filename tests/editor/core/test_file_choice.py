@@ -35,15 +35,37 @@ def test_what_is_there_in_one_folder_is_not_warned_of_in_another(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("name", "error"), [(".json", "A name belongs before"), ("no/car", "There is no folder")]
+    ("name", "told"), [(".json", "A name belongs before"), ("no/car", "There is no folder no.")]
 )
-def test_what_cannot_be_saved_is_told(tmp_path, name, error):
+def test_what_cannot_be_saved_is_told(tmp_path, name, told):
     chosen = choice(tmp_path)
     chosen.enter(name)
     assert not chosen.accept()[0]
-    assert chosen.error.startswith(error)
+    assert chosen.told("Save").startswith(told)
     chosen.enter("car")
-    assert chosen.error == ""
+    assert chosen.told("Save") == ""
+
+
+def test_a_folder_that_is_not_there_is_made_at_the_second_answer(tmp_path):
+    chosen = choice(tmp_path)
+    chosen.enter("new/inner/car")
+    assert not chosen.accept()[0]
+    assert chosen.told("Save") == "There is no folder inner. Press Save to make it."
+    assert chosen.entries() == [] and chosen.unreadable == ""
+    assert chosen.accept() == (True, tmp_path / "new" / "inner" / "car.json")
+    assert (tmp_path / "new" / "inner").is_dir()
+    (tmp_path / "file").write_text("")
+    chosen.enter("file/car")
+    chosen.accept()
+    assert not chosen.accept()[0]
+    assert "cannot be made" in chosen.told("Save")
+
+
+def test_a_folder_that_cannot_be_listed_says_so_in_its_list(tmp_path):
+    chosen = choice(tmp_path / "gone", "open")
+    chosen.folder = tmp_path / "gone"
+    assert chosen.entries() == [] and "gone" in chosen.unreadable
+    assert chosen.told("Open") == ""
 
 
 def test_the_name_of_a_folder_leads_into_it(tmp_path):

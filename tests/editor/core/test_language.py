@@ -183,6 +183,12 @@ SENTENCES = (
     "score 0.1\nlearnability 0.100\nwon 50% of 3 episodes\ncame in at update 3, 2 ago\n"
     "edited from #3, from #4, from #5\nClick: the newest agent plays it.",
     "score unknown\nno episode ended on its last visit",
+    "random: still plays",
+    "random: time is up",
+    "flat mlp, actor 2 × 128",
+    "entity transformer, 2 layers of 128, actor 5 × 128, with memory",
+    "sees symbolic flat, says multi discrete",
+    "No folders and no .gif or .mp4 files here.",
 )
 """Texts that are composed, with the signs before them."""
 

@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 from editor import actions
+from editor.actions import file
 from editor.actions.tab_menu import open_tab_menu
 from editor.base.events import DropEvent, QuitEvent
 from editor.documents import files
@@ -179,6 +180,29 @@ def test_a_file_that_cannot_be_opened_is_told_until_it_is_read(session, tmp_path
     assert not session.prompts
 
 
+@pytest.mark.parametrize(
+    ("name", "content", "told"),
+    [
+        ("bad.json", b'{"format": 1 2}', "this is no level, or a damaged one: not JSON, line 1"),
+        ("bad.json", b"\x89\xcc", "this is no text; a level is a text file in JSON"),
+        ("bad.json", b"[]", 'expected a level: an object with "format"'),
+        ("bad.png", b"", "this is no level; a level is a file that ends in .json"),
+        ("none.json", None, "there is no such file"),
+    ],
+)
+def test_why_a_file_cannot_be_opened_is_told_by_its_name_first(
+    session, tmp_path, name, content, told
+):
+    path = tmp_path / name
+    if content is not None:
+        path.write_bytes(content)
+    assert not file.open_path(session, path)
+    (prompt,) = session.prompts
+    assert prompt.message.startswith(f"{name}: {told}")
+    assert prompt.message.endswith(f"\n{tmp_path}")
+    assert str(path) in session.log.lines[-1]
+
+
 def test_many_bad_files_do_not_fill_the_screen(session, tmp_path):
     for k in range(200):
         actions.handle(session, DropEvent(path=str(tmp_path / f"{'n' * 100}{k}.json")))
@@ -279,7 +303,7 @@ def test_a_file_of_another_kind_is_told_in_plain_words(tmp_path, content):
     other.write_bytes(content)
     actions.handle(session, DropEvent(path=str(other)))
     assert session.prompts[-1].message == (
-        f"{other}: this is no level; a level is a file that ends in .json"
+        f"a.txt: this is no level; a level is a file that ends in .json\n{tmp_path}"
     )
 
 

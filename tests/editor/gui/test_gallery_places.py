@@ -44,6 +44,26 @@ def test_a_narrow_window_names_the_folder_that_is_shown(gallery, mine):
     assert gallery.session.gallery.folder is None and "gallery.card.rocket" in cards(gallery)
 
 
+def test_a_narrow_window_has_the_folders_and_tags_in_a_list(gallery, mine):
+    inner = with_inner(gallery, mine)
+    gallery.click("gallery.folder.all")
+    assert not gallery.shows("gallery.places")
+    gallery.host.resize((700, 420))
+    settle(gallery)
+    assert not gallery.shows("gallery.folder.in")
+    gallery.click("gallery.places")
+    gallery.frames(3)
+    gallery.click("gallery.folder.in")
+    settle(gallery)
+    assert gallery.session.gallery.folder == inner and cards(gallery) == {"gallery.card.inner"}
+    assert not gallery.shows("gallery.folder.in")
+    gallery.click("gallery.places")
+    gallery.frames(3)
+    gallery.key("escape")
+    gallery.frames(3)
+    assert gallery.session.gallery.open and not gallery.shows("gallery.folder.in")
+
+
 def test_a_folder_below_another_one_has_two_lines_and_both_can_be_clicked(gallery, mine):
     inner = mine / "in"
     inner.mkdir()

@@ -616,6 +616,26 @@ def test_tags_are_taken_as_people_type_them_and_what_is_none_is_said(saved):
     assert any("Not a tag: a/b" in line for line in gui.session.log.lines)
 
 
+def test_a_new_level_is_named_by_a_click_and_typing(make_gui):
+    gui = make_gui(size=(1440, 900))
+    assert gui.level.name == "Untitled"
+    gui.click("level.name")
+    gui.frames(2)
+    gui.key("return")
+    assert gui.level.name == "Untitled" and gui.session.log.lines == ()
+    gui.click("level.name")
+    gui.frames(2)
+    gui.text("Große Brücke")
+    gui.key("return")
+    assert gui.level.name == "Große Brücke"
+    gui.click("level.name")
+    gui.frames(2)
+    gui.key("end")
+    gui.text(" 2")
+    gui.key("return")
+    assert gui.level.name == "Große Brücke 2"
+
+
 def test_a_level_keeps_its_name_where_none_is_typed(saved):
     gui, path = saved
     before = gui.session.document.level.name

@@ -103,3 +103,34 @@ def test_a_win_of_the_guided_level_is_kept_by_a_click(make_gui, won):
     assert won.playback.outcome == "won" and won.settings.guide_step == 9
     gui.click("toast.level.keep_solution")
     assert won.document.level.solution is not None
+
+
+def test_a_long_message_stays_longer_and_an_error_longer_still(make_gui):
+    gui = make_gui(session=a_session())
+    for words, kind in (("Saved", "success"), (40 * "long ", "info"), ("It is lost.", "error")):
+        gui.session.toast(words, kind)
+    short, long, error = (toast.until - gui.session.time for toast in gui.session.toasts)
+    assert short == 5.0 and 11.0 < long < 13.0 and error == 15.0
+
+
+def test_a_message_stays_while_the_pointer_is_on_it(make_gui):
+    gui = make_gui(session=a_session())
+    gui.session.toast("Saved a.json", "success")
+    gui.frames(4)
+    left, top, right, bottom = rect("##toast-0")
+    gui.move((left + right) / 2, (top + bottom) / 2)
+    for _ in range(8):
+        gui.session.time += 1.0
+        gui.frames(2)
+    assert [toast.text for toast in gui.session.toasts] == ["Saved a.json"]
+    gui.click("toast.0.close")
+    assert gui.session.toasts == []
+    gui.session.toast("Saved b.json", "success")
+    gui.frames(4)
+    gui.move((left + right) / 2, (top + bottom) / 2)
+    gui.frames(2)
+    gui.move(5.0, 300.0)
+    for _ in range(8):
+        gui.session.time += 1.0
+        gui.frames(2)
+    assert gui.session.toasts == []

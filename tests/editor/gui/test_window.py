@@ -19,7 +19,7 @@ from editor.toolkit.keys import label
 from editor.window.panels.help import rows_of
 from editor.window.panels.menu import MENUS
 from editor.worker.jobs import Worker
-from kinetix.level.codec import load_level
+from kinetix.level.codec import load_level, save_level
 from kinetix.level.model import Body, Circle, Level, Polygon
 from kinetix.paths import levels_dir
 
@@ -403,6 +403,37 @@ def test_a_level_opened_before_the_first_frame_is_shown_whole(make_gui):
     for corner in ((0.0, 0.0), (5.0, 5.0)):
         at = gui.screen(*corner)
         assert x < at[0] < x + width and y < at[1] < y + height
+
+
+def test_the_file_menu_ends_with_quit_and_has_some_rows_only_while_they_work(gui, tmp_path):
+    path = tmp_path / "mine.json"
+    save_level(BALL, path)
+    gui.open(path)
+    gui.click("menu.file")
+    shown = [name for name in gui.session.probe if name.startswith("menu.file.")]
+    assert max(shown, key=lambda name: gui.probe(name).low[1]) == "menu.file.quit"
+    assert gui.probe("menu.file.open").low[1] < gui.probe("menu.recent").low[1]
+    assert gui.probe("menu.recent").low[1] < gui.probe("menu.file.save").low[1]
+    assert not gui.shows("menu.file.reload")
+    gui.session.document.outside = "changed"
+    gui.frames(2)
+    assert gui.shows("menu.file.reload")
+
+
+def test_recent_files_are_told_by_name_and_folder_in_a_narrow_list(make_gui, tmp_path):
+    gui = make_gui(size=(800, 600))
+    deep = tmp_path / "/".join(["a folder with a long name"] * 4)
+    deep.mkdir(parents=True)
+    save_level(BALL, deep / "mine.json")
+    gui.session.settings.recents = [str(deep / "mine.json")]
+    gui.click("menu.file")
+    gui.click("menu.recent")
+    gui.frames(20)
+    row = gui.probe("menu.recent.0")
+    assert row.low[0] > gui.probe("menu.recent").low[0] and row.high[0] - row.low[0] < 400
+    gui.click("menu.recent.0")
+    gui.frames(4)
+    assert gui.session.document.path == deep / "mine.json"
 
 
 def test_the_suites_scenes_are_examples(gui):

@@ -13,6 +13,7 @@ from editor.gallery.view import GalleryView
 from editor.toolkit import widgets
 from editor.toolkit.appearance import COLOURS, FONTS, Icons
 from editor.toolkit.widgets import px
+from editor.window.panels.gallery.places import draw_places
 
 if TYPE_CHECKING:
     from editor.session import Session
@@ -31,6 +32,9 @@ _CLEAR: Final = 100.0
 """Widths of what filters [px at 100 %]."""
 
 
+_LIST: Final = 240.0
+"""Width of the list of folders, sets and tags where they have no column [px at 100 %]."""
+_PLACES: Final = "###places"
 _COUNT: Final = 116.0
 """Room for the number of levels, so that nothing moves as it changes [px at 100 %]."""
 
@@ -144,7 +148,16 @@ def _filters(session: "Session") -> None:
 
 
 def _folder(session: "Session") -> None:
-    """The folder that is shown alone; a click shows all levels again."""
+    """A list for what has no column here; the folder that is shown alone: a click shows all."""
+    widgets.beside(_CLEAR, gap=10)
+    if widgets.icon_button(session, "gallery.places", Icons.folder, label="Folders"):
+        imgui.open_popup(_PLACES)
+    widgets.tooltip("Folders, level sets and tags")
+    tallest = imgui.get_main_viewport().work_size.y - imgui.get_cursor_screen_pos().y - px(20)
+    imgui.set_next_window_size_constraints((px(_LIST), 0), (px(_LIST), max(tallest, px(120))))
+    if imgui.begin_popup(_PLACES):
+        draw_places(session)
+        imgui.end_popup()
     folder = session.gallery.folder
     if folder is None:
         return
