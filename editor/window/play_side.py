@@ -16,6 +16,7 @@ from editor.toolkit.appearance import COLOURS, FONTS, HUGE, SMALL, TEXT, Rgba, a
 from editor.toolkit.modes import MODE_LOOK, OUTCOME_LOOK
 from editor.toolkit.widgets import broken, draw_key_plate, fitted, font, px
 from editor.window.hints import pressed
+from editor.worker.recording import Snapshot
 from kinetix.environment.outcome import Outcome
 from kinetix.level.controls import channels_in_use, driven_by
 from kinetix.wording import plural
@@ -112,22 +113,36 @@ def _results(
     playback, rival = session.playback, session.viewer.rival
     if session.mode is not Mode.ENDED or playback.outcome is None:
         return
-    mine = [f"after {plural(playback.step_count, 'step')}"]
+    mine = [_after(playback.step_count)]
     other = rival.shown(playback.engine_step) if rival.active else None
     if other is not None and split:
+        (x, _), (width, _) = area
+        half = dataclasses.replace(column, x=x + width / 2 + px(_EDGE))
         if other.outcome is not None:
-            (x, _), (width, _) = area
-            half = dataclasses.replace(column, x=x + width / 2 + px(_EDGE))
-            write_verdict(half, other.outcome, [f"after {plural(other.step, 'step')}"])
+            write_verdict(half, other.outcome, [_after(other.step)])
+        else:
+            half.lines(tr(_of_rival(session, other)), COLOURS.text, TEXT)
     elif other is not None:
-        verdict = OUTCOME_LOOK[other.outcome][1].lower() if other.outcome else "still plays"
-        mine.insert(0, f"{rival.player}: {verdict}")
+        mine.append(_of_rival(session, other))
     write_verdict(column, playback.outcome, mine)
     for action, does in (("run.reset", "to restart"), ("run.stop", "to edit")):
         line = pressed(session, action, does)
         if line:
             column.lines(tr(line), COLOURS.muted)
     column.gap(8)
+
+
+def _after(steps: int) -> str:
+    return f"after {plural(steps, 'step')}"
+
+
+def _of_rival(session: "Session", shown: Snapshot) -> str:
+    """Return how it stands with the second player, whose first one has ended."""
+    rival, after = session.viewer.rival, _after(shown.step)
+    if rival.goes_on and rival.level is not None:
+        return f"{rival.player} goes on: step {shown.step} / {rival.level.max_timesteps}"
+    verdict = OUTCOME_LOOK[shown.outcome][1].lower() if shown.outcome else "undecided"
+    return f"{rival.player}: {verdict} {after}"
 
 
 def write_verdict(column: _Column, outcome: Outcome, details: Sequence[str]) -> None:
