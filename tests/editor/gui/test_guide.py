@@ -136,6 +136,16 @@ def test_the_first_start_offers_it_and_no_later_one(gui, step):
     assert step() == guide.CLOSED
 
 
+def test_a_guide_that_is_done_is_put_away_at_the_next_start(gui, step):
+    gui.session.settings.recents = ["/somewhere/level.json"]
+    gui.session.settings.guide_step = 4
+    guide.offer(gui.session)
+    assert step() == 4
+    gui.session.settings.guide_step = len(guide.STEPS)
+    guide.offer(gui.session)
+    assert step() == guide.CLOSED
+
+
 def test_a_level_that_is_open_stays_open(gui):
     gui.key("r")
     gui.drag((0.8, 1.0), (2.0, 1.4))
