@@ -15,6 +15,7 @@ from editor.base.settings import Settings
 from editor.documents.document import Document
 from editor.play.mode import Mode
 from editor.session import Session
+from editor.toolkit import widgets
 from editor.toolkit.keys import label
 from editor.window.panels.help import rows_of
 from editor.window.panels.menu import MENUS
@@ -521,3 +522,32 @@ def test_a_window_that_is_resized_moves_nothing_under_a_pointer_that_drags(make_
     left, right = gui.screen(0.0, 2.0)[0], gui.screen(5.0, 2.0)[0]
     assert left >= gui.session.camera.origin[0] - 1
     assert right <= gui.session.camera.origin[0] + gui.session.camera.size[0] + 1
+
+
+def test_a_filter_that_finds_nothing_says_so_and_is_cleared_by_a_click(make_gui, monkeypatch):
+    gui = make_gui(level=BALL)
+    said = []
+    monkeypatch.setattr(widgets, "empty_state", lambda _, *words: said.append(words[-1]))
+    gui.click("outliner.filter")
+    gui.text("ball")
+    gui.text("zzz")
+    assert "Nothing here is called ballzzz." in said
+    gui.click("outliner.filter.clear")
+    said.clear()
+    gui.frames(2)
+    assert not any("is called" in words for words in said) and gui.shows("outliner.1")
+
+
+def test_the_words_of_the_gallerys_search_are_cleared_by_a_click(gui):
+    gui.key("ctrl+g")
+    gui.frames(6)
+    gui.click("gallery.search")
+    gui.text("zzz")
+    assert gui.session.gallery.wish.words == "zzz"
+    gui.click("gallery.search.clear")
+    assert gui.session.gallery.wish.words == ""
+
+
+def test_no_two_panels_have_one_sign(gui):
+    signs = [panel.icon for panel in gui.host.ui.workplace.panels]
+    assert len(set(signs)) == len(signs)
