@@ -316,9 +316,9 @@ class Workplace:
         # Panels that come back are all open for a frame before they are docked.
         docked = imgui.get_frame_count() > self._put_up + 1
         asked = opened and docked and panel.id == self._asked
-        if asked or (fresh and self.session.view.settled and not self._row.folded()):
-            if self._row.fit(panel.height):
-                self.canvas.framing.refit()
+        fits = asked or (fresh and self.session.view.settled and not self._row.folded())
+        if fits and self._row.fit(panel.height):
+            self.canvas.framing.refit()
         if opened:
             self._seen.add(panel.id)
             self._asked = "" if asked else self._asked
