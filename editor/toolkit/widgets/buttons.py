@@ -118,7 +118,13 @@ def button(session: "Session", name: str, label: str, *, width: float = 0.0) -> 
 
 
 def checkbox(
-    session: "Session", name: str, label: str, value: bool, *, mixed: bool = False
+    session: "Session",
+    name: str,
+    label: str,
+    value: bool,
+    *,
+    mixed: bool = False,
+    enabled: bool = True,
 ) -> tuple[bool, bool]:
     """A box to tick; `mixed` shows a dash. Returns whether it changed, and to what.
 
@@ -129,6 +135,7 @@ def checkbox(
     room = imgui.get_content_region_avail().x - imgui.get_frame_height() - gap
     fits = imgui.calc_text_size(words).x <= room
     imgui.begin_group()
+    imgui.begin_disabled(not enabled)
     imgui.push_item_flag(imgui.ItemFlags_.mixed_value.value, mixed)
     with _bordered():
         changed, value = imgui.checkbox(f"{words if fits else ''}###{name}", value)
@@ -137,10 +144,11 @@ def checkbox(
         imgui.same_line(0, gap)
         imgui.align_text_to_frame_padding()
         wrapped(label)
-        if imgui.is_item_clicked():
+        if enabled and imgui.is_item_clicked():
             changed, value = True, not value
+    imgui.end_disabled()
     imgui.end_group()
-    probe(session, name)
+    probe(session, name, enabled=enabled)
     return changed, value
 
 

@@ -9,7 +9,7 @@ import pytest
 from editor import actions
 from editor.actions import agents, export, measure, watch
 from editor.actions.save_table import save_table
-from editor.agents.evaluation import Plan
+from editor.agents.evaluation import Plan, bare_summary
 from editor.agents.metrics import Metrics
 from editor.base.prompts import Choice, FileQuestion, MenuQuestion
 from editor.drawing.agent_overlay import most_entropy, value_range
@@ -612,6 +612,35 @@ def test_the_form_evaluates_and_the_table_opens_attempts(with_agent):
     settle(with_agent)
     assert session.mode is Mode.REPLAY
     assert session.playback.casting.attempt == 1
+
+
+def test_a_scripted_agent_that_is_measured_as_b_is_ticked(with_agent):
+    session = with_agent.session
+    session.viewer.slots["b"].summary = bare_summary("random")
+    front(with_agent, "evaluate")
+    assert not with_agent.probe("evaluate.random").enabled
+    assert with_agent.probe("evaluate.noop").enabled
+    with_agent.click("evaluate.random")
+    assert session.viewer.form.scripted == ()
+    with_agent.click("evaluate.noop")
+    assert [agent.name for agent in session.viewer.measured] == ["Tester", "random", "noop"]
+
+
+@pytest.mark.parametrize("size", [(1024, 640), (1280, 800)])
+def test_the_form_has_a_line_for_what_for_who_and_for_how_often(with_agent, size):
+    with_agent.host.size = size
+    with_agent.frames(40)
+    front(with_agent, "evaluate")
+    rows = [
+        {round(with_agent.probe(f"evaluate.{name}").centre[1]) for name in names}
+        for names in (
+            ("source", "physics"),
+            ("more", "random", "noop", "planner"),
+            ("attempts", "seed", "run", "open"),
+        )
+    ]
+    assert [len(row) for row in rows] == [1, 1, 1]
+    assert sorted(min(row) for row in rows) == [min(row) for row in rows]
 
 
 def test_a_long_table_draws_only_what_is_in_sight(with_agent):
