@@ -551,3 +551,17 @@ def test_the_words_of_the_gallerys_search_are_cleared_by_a_click(gui):
 def test_no_two_panels_have_one_sign(gui):
     signs = [panel.icon for panel in gui.host.ui.workplace.panels]
     assert len(set(signs)) == len(signs)
+
+
+def test_the_map_shows_what_lies_outside_of_the_arena_in_edit(make_gui):
+    far = BALL.bodies[0].replace(id=7, position=(-2.0, 6.5))
+    gui = make_gui(level=BALL.replace(bodies=(*BALL.bodies, far), next_id=8))
+    gui.session.queue("view.minimap")
+    gui.frames(4)
+    minimap = gui.host.ui.workplace.canvas._minimap
+    low, side, camera = minimap._low, minimap._side, minimap._camera
+    for world in ((-2.0, 6.5), (0.0, 0.0), (5.0, 0.0)):
+        x, y = camera.to_screen(world)
+        assert low[0] <= x <= low[0] + side and low[1] <= y <= low[1] + side
+    gui.click_at(*camera.to_screen((-2.0, 6.5)))
+    assert math.dist(gui.session.camera.centre, (-2.0, 6.5)) < 0.1
