@@ -39,8 +39,8 @@ class Mouse:
         self._down: list[int] = []
         self._last = (0.0, 0.0)
         self._hovered = False
-        self._cap: tuple[CapPlace, Point] | None = None
-        """The key cap that is being clicked, and where."""
+        self._cap: tuple[int, Point] | None = None
+        """The thing whose key cap is being clicked, and where."""
 
     @property
     def dragging(self) -> bool:
@@ -92,7 +92,9 @@ class Mouse:
         there the caps of what is selected alone are clicked.
         """
         if self._cap is not None:
-            return self._click_cap(session, mouse, *self._cap)
+            entity, start = self._cap
+            there = session.editing and any(cap.entity == entity for cap in caps)
+            return self._click_cap(session, mouse, entity, start, there=there)
         free = session.editing and session.tool.id == "select" and not session.driver.active
         if not (free and self._hovered and not self._down and session.settings.key_caps):
             return False
@@ -108,11 +110,16 @@ class Mouse:
         session.hands.cursor = world
         imgui.set_mouse_cursor(imgui.MouseCursor_.hand.value)
         if imgui.is_mouse_clicked(0):
-            self._cap = (found, mouse)
+            self._cap = (found.entity, mouse)
         return not any(imgui.is_mouse_clicked(button) for button in (1, 2))
 
-    def _click_cap(self, session: "Session", mouse: Point, cap: CapPlace, start: Point) -> bool:
+    def _click_cap(
+        self, session: "Session", mouse: Point, entity: int, start: Point, *, there: bool
+    ) -> bool:
         """Wait for the release of a press on a cap; one that is dragged becomes the tool's."""
+        if not there:
+            self._cap = None
+            return False
         if is_drag(session, start, mouse):
             self._cap = None
             self._down.append(events.LEFT)
@@ -120,7 +127,7 @@ class Mouse:
             return False
         if not imgui.is_mouse_down(0):
             self._cap = None
-            session.queue(lambda: context.ask_key(session, cap.entity, start))
+            session.queue(lambda: context.ask_key(session, entity, start))
         return True
 
     def _pointer(

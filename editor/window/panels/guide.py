@@ -22,6 +22,7 @@ _NARROW: Final = 236.0
 _LEAST: Final = 190.0
 """Its least width in Play."""
 _MARGIN: Final = 14.0
+_GAP: Final = 4.0
 _WINDOW: Final = "###guide"
 
 Rect: TypeAlias = tuple[tuple[float, float], tuple[float, float]]
@@ -156,18 +157,21 @@ class GuideCard:
 def _corner(session: "Session") -> tuple[bool, float]:
     """Return whether it belongs to the left, and its width [px]: what a step is about is free.
 
-    In Edit that is the arena and the Inspector, so that it stands over the left column, if there
-    is one. In Play it stands beside the arena.
+    In Edit that is the canvas, what is below it and the Inspector: it stands over the left column,
+    if there is one, else over the lower part of the right one. In Play it stands beside the arena.
     """
     viewport, camera = imgui.get_main_viewport(), session.camera
     (low, _), (high, _) = camera.to_screen(ARENA[0]), camera.to_screen(ARENA[1])
-    column = camera.origin[0] - viewport.work_pos.x
+    end = viewport.work_pos.x + viewport.work_size.x
+    dock = px(_NARROW + _MARGIN)
+    before = camera.origin[0] - viewport.work_pos.x
+    after = end - camera.origin[0] - camera.size[0]
     wide = layouts.room_now() is layouts.Room.WIDE
-    left = wide and (not session.editing or column >= px(_NARROW + _MARGIN))
+    left = wide and (not session.editing or before >= dock)
     if left:
-        free = column if session.editing else low - viewport.work_pos.x
+        free = before if session.editing else low - viewport.work_pos.x
     else:
-        free = viewport.work_pos.x + viewport.work_size.x - high
+        free = after if session.editing and after >= dock else end - high
     narrow = session.editing or layouts.room_now() is layouts.Room.LOW
     least = px(_NARROW if narrow else _LEAST)
-    return left, min(max(free - px(_MARGIN), least), px(_WIDTH))
+    return left, min(max(free - px(_MARGIN + _GAP), least), px(_WIDTH))

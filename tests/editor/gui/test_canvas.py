@@ -209,6 +209,15 @@ def test_a_shape_under_a_key_cap_is_selected_and_dragged(make_gui):
     assert not gui.session.prompts
     assert gui.level.bodies[0].position[0] > board.position[0] + 0.3
     gui.session.selection = (4,)
+    at = middle(caps(gui)[4])
+    gui.move(*at)
+    gui.button(*at, pressed=True)
+    gui.key("delete")
+    gui.button(*at, pressed=False)
+    gui.frames(2)
+    assert not gui.session.prompts and all(joint.id != 4 for joint in gui.level.joints)
+    gui.key("ctrl+z")
+    gui.session.selection = (4,)
     gui.click_at(*middle(caps(gui)[4]))
     assert gui.session.prompts
 

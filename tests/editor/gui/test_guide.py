@@ -190,6 +190,7 @@ def test_the_card_covers_nothing_that_a_step_is_about(make_gui, size):
         gui.session.settings.guide_step = step
         gui.frames(6)
         assert apart(card(), arena(gui))
+        assert card()[0] >= gui.probe("canvas").high[0] or card()[2] <= gui.probe("canvas").low[0]
         if size[0] > 1024:
             assert apart(card(), rect("###panel-inspector"))
     gui.key("space")
