@@ -34,6 +34,7 @@ _ARRANGING: Final = (
     "edit.back",
     "edit.lock",
     "edit.hide",
+    "edit.show_all",
     "view.frame_selection",
     "edit.delete",
 )
@@ -50,7 +51,7 @@ _EMPTY: Final = (
     "view.fit",
     "view.grid",
     "snap.smart",
-    "edit.hide",
+    "edit.show_all",
 )
 """Rows for an empty place, by action."""
 
@@ -115,6 +116,8 @@ def _open(session: Session, under: Selection, at: Point, place: Point | None, ta
         run = _executing(session, target, command)
         add(f"change.{label.lower()}", label, run, gap=number == 0)
     names = _names(target) if target else _EMPTY
+    if not document.hidden:
+        names = tuple(name for name in names if name != "edit.show_all")
     for number, action in enumerate(names):
         label, chord = table.words(action)
         run = _running(session, target or session.selection, place, table, action)

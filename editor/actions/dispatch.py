@@ -283,7 +283,8 @@ def advance(session: Session, seconds: float) -> None:
     watched = debugging or session.view.plots
     watched = watched or session.viewer.timeline_open
     session.playback.simulator.keep_contacts = watched
-    session.playback.restart_automatically = session.settings.restart_automatically
+    again = session.settings.restart_automatically and not session.viewer.rival.goes_on
+    session.playback.restart_automatically = again
     # Two players begin together: the one that is ready waits. So does all play for an answer.
     asked = any(not isinstance(prompt, MenuQuestion) for prompt in session.prompts)
     passed = 0.0 if asked or session.viewer.rival.preparing else seconds
@@ -301,7 +302,7 @@ def advance(session: Session, seconds: float) -> None:
     with session.guard():
         recording.follow(session)
         leave.update_leaving(session)
-        watch.update_viewer(session)
+        watch.update_viewer(session, passed)
         train.update_training(session)
         play.note_end(session)
     with session.guard():

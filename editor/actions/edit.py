@@ -241,7 +241,7 @@ def toggle_lock(session: Session) -> None:
 
 
 def toggle_hide(session: Session) -> None:
-    """Hide the selection in Edit; with nothing selected show everything again.
+    """Hide the selection in Edit; all of it hidden: show it again.
 
     Raises:
         CommandError: Only parts of the arena are selected.
@@ -250,13 +250,21 @@ def toggle_hide(session: Session) -> None:
     chosen = frozenset(entity for entity in session.selection if isinstance(entity, int))
     if session.selection and not chosen:
         raise CommandError("Floor, walls and ceiling cannot be hidden.")
-    if not chosen:
-        document.hidden = frozenset()
-    elif chosen <= document.hidden:
+    if chosen <= document.hidden:
         document.hidden -= chosen
     else:
         document.hidden |= chosen
         session.selection = ()
+
+
+def has_hidden(session: Session) -> bool:
+    """Return whether something is hidden that can be shown again."""
+    return session.editing and bool(session.document.hidden)
+
+
+def show_all(session: Session) -> None:
+    """Show everything again that is hidden."""
+    session.document.hidden = frozenset()
 
 
 def mirror(axis: Literal["x", "y"]) -> Callable[[Session], None]:

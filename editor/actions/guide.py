@@ -148,6 +148,8 @@ def follow(session: Session) -> None:
 
 
 def offer(session: Session) -> None:
-    """Ask whoever starts the app for the first time."""
+    """Ask whoever starts the app for the first time; a guide that is done is put away."""
+    if session.settings.guide_step >= len(STEPS):
+        close(session)
     if not session.settings.recents and session.settings.guide_step == CLOSED:
         session.settings.guide_step = OFFERED

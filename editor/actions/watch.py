@@ -10,6 +10,7 @@ from editor.actions.measure import keep_results
 from editor.agents.reasons import OVERLAYS
 from editor.agents.run_watch import RunWatch
 from editor.base.prompts import FileQuestion
+from editor.play.mode import Mode
 from editor.session import Session
 from editor.worker.jobs import Job, JobState
 from editor.worker.requests import Observe
@@ -78,8 +79,13 @@ def _about_run(path: Path) -> str:
     return f"{path.name}: a training run." if found else ""
 
 
-def update_viewer(session: Session) -> None:
-    """Let a frame pass: the rival keeps step, runs are looked at, results are kept."""
+def update_viewer(session: Session, seconds: float) -> None:
+    """Let a frame pass: the rival keeps step, runs are looked at, results are kept.
+
+    Args:
+        session: The app.
+        seconds: Time that has passed for those who play [s].
+    """
     viewer, playback = session.viewer, session.playback
     viewer.evaluation.tick()
     keep_results(session)
@@ -88,7 +94,7 @@ def update_viewer(session: Session) -> None:
     viewer.curriculum.tick(session.time)
     for other in viewer.other_runs:
         other.tick(session.time, lambda _: None)
-    _rival(session)
+    _rival(session, seconds)
     if viewer.eye_open:
         _look(session)
     _ask_why(session)
@@ -104,7 +110,7 @@ def _newer(session: Session, steps: int) -> None:
         load_agent(session, session.viewer.run.path, "a")
 
 
-def _rival(session: Session) -> None:
+def _rival(session: Session, seconds: float) -> None:
     """Start, advance or stop the second episode so that it belongs to the one on show."""
     viewer, playback = session.viewer, session.playback
     rival = viewer.rival
@@ -116,7 +122,8 @@ def _rival(session: Session) -> None:
     if viewer.compared_episode != playback.episode and not _challenge(session, playback.level):
         return
     try:
-        rival.tick(playback.engine_step)
+        alone = seconds * playback.speed if playback.mode is Mode.ENDED else None
+        rival.tick(playback.engine_step, alone=alone)
     except KinetixError as error:
         session.toast(f"{rival.player}: {error}", "error")
 

@@ -1,8 +1,8 @@
 """The keys that drive a joint or thruster, drawn beside it."""
 
 import dataclasses
-from collections.abc import Collection, Iterator, Mapping, Sequence
-from typing import Final
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from typing import Final, TypeAlias
 
 from imgui_bundle import imgui
 
@@ -13,7 +13,8 @@ from editor.drawing.strokes import Room
 from editor.drawing.vectors import Painter, Placement
 from editor.toolkit.appearance import COLOURS, FONTS, SMALL, u32
 from editor.toolkit.widgets import draw_key_plate, font, px
-from kinetix.level.model import MOTOR_BINDINGS
+from kinetix.level.geometry import bounds, touches_box
+from kinetix.level.model import MOTOR_BINDINGS, Body
 
 _CAP: Final = 0.16
 """Height of a key cap [m] …"""
@@ -21,6 +22,11 @@ _CAP_PX: Final = 17.0
 """… but no more than this [px at 100 %]."""
 _CAP_LEAST_PX: Final = 9.0
 """Smaller ones could not be read and are not drawn [px]."""
+_FURTHER: Final = (3, 5, 7)
+"""Where all corners are taken: above and below, so many times the usual distance away."""
+
+Covered: TypeAlias = Callable[[Point, Point], bool]
+"""Whether a shape lies in a rectangle, given its corners [px]."""
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -40,10 +46,12 @@ def paint_key_caps(
     *,
     hidden: Collection[EntityId] = (),
     pointed: Collection[EntityId] = (),
+    avoid: Sequence[Body] = (),
 ) -> tuple[CapPlace, ...]:
     """Draw the keys that drive each joint and thruster beside it; held ones are lit.
 
-    They shrink with the level and give way to each other, so that they do not bury it.
+    They shrink with the level and give way to each other and to shapes, so that they do not bury
+    it.
 
     Args:
         painter: Draws.
@@ -52,6 +60,7 @@ def paint_key_caps(
         held: Those that are down.
         hidden: Entities whose keys are not drawn.
         pointed: Entities whose keys are drawn in full size, whatever the zoom.
+        avoid: Shapes that the keys keep off, where there is room beside them.
 
     Returns:
         Where they were drawn.
@@ -61,15 +70,38 @@ def paint_key_caps(
     ]
     wanted.sort(key=lambda row: row[0] not in pointed)
     room, places = Room(), []
+    covered = _covering(painter, avoid)
+    usual = min(px(_CAP_PX), _CAP * painter.camera.scale)
+    small = usual < px(_CAP_PX) * 0.5 and usual < _CAP_LEAST_PX
     for entity, at, caps in wanted:
         full = entity in pointed
-        height = px(_CAP_PX) if full else min(px(_CAP_PX), _CAP * painter.camera.scale)
-        if height < px(_CAP_PX) * 0.5 and height < _CAP_LEAST_PX:
+        if small and not full:
             continue
-        place = _plates(painter.draw, at, caps, height, room, must=full)
+        height = px(_CAP_PX) if full else usual
+        place = _plates(painter.draw, at, caps, (height, usual), room, covered, must=full)
         if place is not None:
             places.append(CapPlace(entity=entity, low=place[0], high=place[1]))
     return tuple(places)
+
+
+def _covering(painter: Painter, bodies: Sequence[Body]) -> Covered:
+    boxes = [(body, bounds(body)) for body in bodies]
+
+    def covered(low: Point, high: Point) -> bool:
+        left, top = painter.camera.to_world(low)
+        right, bottom = painter.camera.to_world(high)
+        box = (left, bottom, right, top)
+        return any(
+            own[0] <= right
+            and own[2] >= left
+            and own[1] <= top
+            and own[3] >= bottom
+            # The box around a shape rules out nearly all others at once.
+            and touches_box(body, box)
+            for body, own in boxes
+        )
+
+    return covered
 
 
 def _driven(
@@ -94,29 +126,37 @@ def _plates(
     draw: imgui.ImDrawList,
     at: Point,
     caps: Sequence[tuple[str, bool]],
-    height: float,
+    heights: tuple[float, float],
     room: Room,
+    covered: Covered,
     *,
     must: bool,
 ) -> tuple[Point, Point] | None:
-    """Draw a row of plates beside a place, where there is room; returns its corners [px]."""
-    share = height / px(_CAP_PX)
-    with font(FONTS.bold, (SMALL - 2) * share):
+    """Draw a row of plates beside a place, where there is room; returns its corners [px].
+
+    Of the heights, the first is drawn. The other, which most plates have, chooses the place: one
+    that grows under the pointer stays there.
+    """
+    height, usual = heights
+    with font(FONTS.bold, (SMALL - 2) * height / px(_CAP_PX)):
         sizes = [imgui.calc_text_size(words) for words, _ in caps]
         widths = [max(size.x + 8 * height / _CAP_PX, height) for size in sizes]
         gap = 2 * height / _CAP_PX
         width = sum(widths) + gap * (len(widths) - 1)
-        away = px(8) * max(share, 0.6)
-        corners = [
-            (at[0] + away, at[1] - away - height),
-            (at[0] - away - width, at[1] - away - height),
-            (at[0] + away, at[1] + away),
-            (at[0] - away - width, at[1] + away),
-            (at[0] - width / 2, at[1] - 3 * away - height),
-            (at[0] - width / 2, at[1] + 3 * away),
+        away = px(8) * max(usual / px(_CAP_PX), 0.6)
+        spots = _spots(at, away, (width, height))
+        share = usual / height
+        sparing = _spots(at, away, (width * share, usual))
+        clear = [
+            spot
+            for spot, (x, y) in zip(spots, sparing, strict=True)
+            if not covered((x, y), (x + width * share, y + usual))
         ]
-        free = (low for low in corners if room.take(low, (low[0] + width, low[1] + height)))
-        low = next(free, corners[0] if must else None)
+        near = spots[: 4 + 2]
+        low = next(
+            (low for low in (*clear, *near) if room.take(low, (low[0] + width, low[1] + height))),
+            spots[0] if must else None,
+        )
         if low is None:
             return None
         x, y = low
@@ -128,6 +168,16 @@ def _plates(
             draw.add_text(spot, ink, words)
             x += wide + gap
         return low, (low[0] + width, low[1] + height)
+
+
+def _spots(at: Point, away: float, size: Point) -> list[Point]:
+    """Return upper left corners for a row of plates: the four corners, then above and below."""
+    (x, y), (width, height) = at, size
+    left, right, above, below = x - away - width, x + away, y - away - height, y + away
+    corners = [(right, above), (left, above), (right, below), (left, below)]
+    for far in _FURTHER:
+        corners += [(x - width / 2, y - far * away - height), (x - width / 2, y + far * away)]
+    return corners
 
 
 def _channel_caps(

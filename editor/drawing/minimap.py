@@ -1,15 +1,20 @@
-"""A small map of the arena in the canvas's corner: where the view is, and a way to move it."""
+"""A small map in the canvas's corner: where the view is, and a way to move it.
+
+It shows the arena, and in Edit what lies outside too, as far as a few metres.
+"""
 
 import dataclasses
 from typing import TYPE_CHECKING, Final
 
 from imgui_bundle import imgui
 
-from editor.base.camera import PIXELS_PER_UNIT, Camera, Point
+from editor.base.camera import ARENA, Camera, Point
+from editor.base.memory import remembers
 from editor.drawing.vectors import Painter, Placement, paint_level
 from editor.toolkit.appearance import COLOURS, alpha, u32
 from editor.toolkit.widgets import px
-from kinetix.level.geometry import ARENA_WIDTH
+from kinetix.level.geometry import bounds_of
+from kinetix.level.model import Level
 
 if TYPE_CHECKING:
     from editor.session import Session
@@ -17,6 +22,8 @@ if TYPE_CHECKING:
 
 _SIDE: Final = 132.0
 _GAP: Final = 14.0
+_OUTSIDE: Final = 4.0
+"""So far outside of the arena it reaches at most: further off, shapes would be dots [m]."""
 
 
 class Minimap:
@@ -25,6 +32,8 @@ class Minimap:
     def __init__(self) -> None:
         self._low: Point = (0.0, 0.0)
         self._side = 0.0
+        self._camera = Camera()
+        """The view of the map itself."""
         self._dragging = False
 
     def takes(self, session: "Session", mouse: Point, *, hovered: bool) -> bool:
@@ -45,9 +54,9 @@ class Minimap:
         if inside and imgui.is_mouse_clicked(0):
             self._dragging = True
         if self._dragging and imgui.is_mouse_down(0):
-            metres = ARENA_WIDTH / self._side
-            at = (x * metres, ARENA_WIDTH - y * metres)
-            session.camera = dataclasses.replace(session.camera, centre=at)
+            session.camera = dataclasses.replace(
+                session.camera, centre=self._camera.to_world(mouse)
+            )
         else:
             self._dragging = False
         return inside or self._dragging
@@ -70,8 +79,10 @@ class Minimap:
         low = self._low = (corner[0] - side - px(_GAP), corner[1] - side - px(_GAP))
         high = (low[0] + side, low[1] + side)
         draw.push_clip_rect(low, high, True)
-        zoom = side / (PIXELS_PER_UNIT * ARENA_WIDTH)
-        painter = Painter(draw=draw, camera=Camera(origin=low, size=(side, side), zoom=zoom))
+        box = _all(where.level) if session.editing else ARENA
+        self._camera = Camera(origin=low, size=(side, side)).fitted(*box, margin=0.0)
+        draw.add_rect_filled(low, high, u32(COLOURS.backdrop))
+        painter = Painter(draw=draw, camera=self._camera)
         painter.paper(grid=None)
         paint_level(painter, where)
         camera, shown = session.camera, painter.camera
@@ -85,3 +96,16 @@ class Minimap:
         draw.add_rect(*view, u32(COLOURS.accent), 0.0, px(1.5))
         draw.pop_clip_rect()
         draw.add_rect(low, high, u32(COLOURS.line), px(3), px(1.5))
+
+
+@remembers(1)
+def _all(level: Level) -> tuple[Point, Point]:
+    """Return lower left and upper right corner of a box around the arena and all shapes [m]."""
+    if not level.bodies:
+        return ARENA
+    (left, bottom), (right, top) = ARENA
+    box = bounds_of(level.bodies)
+    return (
+        (max(min(left, box[0]), left - _OUTSIDE), max(min(bottom, box[1]), bottom - _OUTSIDE)),
+        (min(max(right, box[2]), right + _OUTSIDE), min(max(top, box[3]), top + _OUTSIDE)),
+    )

@@ -1,14 +1,15 @@
 """A second episode that keeps step with the one on show: for comparing two players.
 
-It has no clock of its own: it plays as far as the first one has come, in engine steps, and keeps
-every moment, so that it follows a timeline back and forth too.
+It plays as far as the first one has come, in engine steps, and keeps every moment, so that it
+follows a timeline back and forth too. Once the first one has ended it goes on by itself to its own
+end.
 """
 
 from collections.abc import Callable, Sequence
 from typing import TypeAlias
 
 from editor.play.simulator import Simulator
-from editor.worker.recording import FRAME_SKIP, Action, Snapshot
+from editor.worker.recording import ENGINE_STEPS_PER_SECOND, FRAME_SKIP, Action, Snapshot
 from editor.worker.requests import Casting
 from kinetix.errors import KinetixError
 from kinetix.level.model import Level
@@ -37,6 +38,9 @@ class Follower:
         """Reason why it could not start or continue."""
         self.snapshots: list[Snapshot] = []
         self._starting = False
+        self._beyond = 0.0
+        """Engine steps that it has gone on since the first one ended."""
+        self._goes_on = False
         self._mirror: Mirror | None = None
         self._used: list[Action] = []
 
@@ -54,6 +58,11 @@ class Follower:
     def preparing(self) -> bool:
         """True if its first state has not come, and nothing says that it will not."""
         return self._starting and not self.failure
+
+    @property
+    def goes_on(self) -> bool:
+        """True while it plays on and the first one has ended."""
+        return self._goes_on
 
     def start(
         self,
@@ -85,10 +94,21 @@ class Follower:
         self.level, self.player, self.failure = None, "", ""
         self.casting = None
         self.snapshots, self._starting = [], False
+        self._goes_on, self._beyond = False, 0.0
         self._mirror, self._used = None, []
 
-    def tick(self, engine_step: int) -> None:
-        """Take what has arrived and ask for what is missing up to an engine step."""
+    def tick(self, engine_step: int, *, alone: float | None = None) -> None:
+        """Take what has arrived and ask for what is missing up to an engine step.
+
+        Args:
+            engine_step: Of the moment of the first episode that is on show.
+            alone: Where the first one has ended: time since the last call, in which this one goes
+                on by itself; its pace is real time [s].
+
+        Raises:
+            KinetixError: The simulation failed.
+        """
+        self._goes_on = False
         if self.level is None or self.failure:
             return
         try:
@@ -100,6 +120,8 @@ class Follower:
         self._starting = self._starting and not self.snapshots
         if not self.snapshots:
             return
+        self._go_on(engine_step, alone)
+        engine_step += int(self._beyond)
         if self._mirror is not None:
             self._do_the_same(self._mirror())
             return
@@ -109,6 +131,18 @@ class Follower:
         missing = engine_step // self.frame_skip + _AHEAD - have
         if missing > 0 and self.simulator.outstanding < _AT_ONCE:
             self.simulator.advance((None,) * min(missing, _AT_ONCE))
+
+    def _go_on(self, engine_step: int, seconds: float | None) -> None:
+        """Let the time pass that it has for itself; where the actions are the first one's, none."""
+        if seconds is None or self._mirror is not None:
+            self._beyond = 0.0
+            return
+        shown = self.shown(engine_step)
+        self._goes_on = shown is not None and shown.outcome is None
+        if self._goes_on:
+            # It waits for its simulation, as the first one does.
+            most = self.snapshots[-1].step * self.frame_skip + self.frame_skip - engine_step
+            self._beyond = min(self._beyond + seconds * ENGINE_STEPS_PER_SECOND, max(most, 0.0))
 
     def _do_the_same(self, actions: Sequence[Action]) -> None:
         """Ask for the steps of the first episode; where that has taken another turn, go back."""
@@ -135,8 +169,11 @@ class Follower:
         return self.snapshots[0].frame_skip if self.snapshots else FRAME_SKIP
 
     def shown(self, engine_step: int) -> Snapshot | None:
-        """The moment that belongs to an engine step; the last one where it has ended before."""
+        """The moment that belongs to an engine step; the last one where it has ended before.
+
+        Where it goes on by itself after the first one's end, that is added.
+        """
         if not self.snapshots:
             return None
-        index = engine_step // self.frame_skip
+        index = (engine_step + int(self._beyond)) // self.frame_skip
         return self.snapshots[min(index, len(self.snapshots) - 1)]

@@ -185,6 +185,7 @@ class Icons:
     controls = fa.ICON_FA_KEYBOARD
     problems = fa.ICON_FA_STETHOSCOPE
     plots = fa.ICON_FA_CHART_LINE
+    training = fa.ICON_FA_DUMBBELL
     debug = fa.ICON_FA_BUG
     log = fa.ICON_FA_TERMINAL
     search = fa.ICON_FA_MAGNIFYING_GLASS

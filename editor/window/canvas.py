@@ -155,14 +155,17 @@ class Canvas:
 
     def _key_caps(self, session: "Session", painter: Painter, where: Placement) -> None:
         editing = session.editing
+        hidden = session.document.hidden if editing else ()
         pointed = () if session.hovered is None else (session.hovered,)
         self.caps = paint_key_caps(
             painter,
             where,
             session.control_keys,
             () if editing else session.hands.held,
-            hidden=session.document.hidden if editing else (),
+            hidden=hidden,
             pointed=(*pointed, *session.selection, *session.highlighted) if editing else (),
+            # In Play they would jump about as the shapes move; nobody clicks them there.
+            avoid=[b for b in where.level.bodies if b.id not in hidden] if editing else (),
         )
 
     def _edit_marks(self, session: "Session", marker: Marker) -> None:

@@ -73,9 +73,9 @@ class Framing:
 
         Nothing moves under a pointer that holds something.
 
-        An arena that is shown whole follows the window, the layouts, Play, and what is drawn over
-        it on demand, and panels that measure. In Edit, all others that only come and go leave every
-        point of the level where it is on the screen.
+        An arena that is shown whole follows the window, the layouts, Play, what is drawn over it on
+        demand, the height of the row below, and panels that measure. In Edit, all others that only
+        come and go leave every point of the level where it is on the screen.
         """
         io, tab = imgui.get_io(), session.tab
         cause = (

@@ -188,15 +188,18 @@ class LowerRow:
             self._open, self._before = node.size.y, 0.0
             self._set(node, strip())
 
-    def fit(self, height: float) -> None:
+    def fit(self, height: float) -> bool:
         """Fit the height of the current window's place to the panel that came to the front.
 
         Args:
             height: What the panel needs [px at 100 %].
+
+        Returns:
+            Whether it is another one.
         """
         node = imgui.internal.get_window_dock_node()
         if node is None:
-            return
+            return False
         folded = self.holds_current() and self.folded()
         if folded or (self._before and abs(node.size.y - self._given) > px(2)):
             self._before = 0.0
@@ -205,11 +208,13 @@ class LowerRow:
         if wanted <= now and not self._before:
             if folded:
                 self._set(node, now)
-            return
+            return folded
         before = self._before or now
         self._given = wanted
         self._before = before if wanted > before else 0.0
+        changed = wanted != node.size.y
         self._set(node, wanted)
+        return changed
 
     def _usual(self) -> float:
         return min(self._open or px(ARRANGEMENTS["edit"].bottom), self._most())

@@ -11,6 +11,8 @@ from editor.base import events
 from editor.base.camera import Point
 from editor.base.overlay import Cursor
 from editor.drawing.key_plates import CapPlace
+from editor.editing.picking import bodies_at
+from editor.editing.tools.base import is_drag
 
 if TYPE_CHECKING:
     from editor.session import Session
@@ -37,11 +39,13 @@ class Mouse:
         self._down: list[int] = []
         self._last = (0.0, 0.0)
         self._hovered = False
+        self._cap: tuple[int, Point] | None = None
+        """The thing whose key cap is being clicked, and where."""
 
     @property
     def dragging(self) -> bool:
         """True if a button went down over the canvas and is down still."""
-        return bool(self._down)
+        return bool(self._down) or self._cap is not None
 
     def take(self, session: "Session", caps: Sequence[CapPlace], *, hovered: bool) -> None:
         """Make pointer events of Dear ImGui's mouse; a drag goes on outside the canvas."""
@@ -82,20 +86,49 @@ class Mouse:
             imgui.set_mouse_cursor(_CURSORS[session.driver.feedback.cursor].value)
 
     def _on_cap(self, session: "Session", mouse: Point, caps: Sequence[CapPlace]) -> bool:
-        """Let a click on a key cap choose another key; whether the pointer is on one in Edit."""
+        """Let a click on a key cap choose another key; whether the mouse is the cap's.
+
+        A drag that begins there is the tool's, and so is all that happens on a cap over a shape:
+        there the caps of what is selected alone are clicked.
+        """
+        if self._cap is not None:
+            entity, start = self._cap
+            there = session.editing and any(cap.entity == entity for cap in caps)
+            return self._click_cap(session, mouse, entity, start, there=there)
         free = session.editing and session.tool.id == "select" and not session.driver.active
         if not (free and self._hovered and not self._down and session.settings.key_caps):
             return False
         found = next((cap for cap in caps if _inside(mouse, cap.low, cap.high)), None)
         if found is None:
             return False
+        world = session.camera.to_world(mouse)
+        without = session.document.locked | session.document.hidden
+        shapes = bodies_at(session.scene, world, without=without, arena=False)
+        if shapes and found.entity not in session.selection:
+            return False
         session.hovered, self._last = found.entity, mouse
-        session.hands.cursor = session.camera.to_world(mouse)
+        session.hands.cursor = world
         imgui.set_mouse_cursor(imgui.MouseCursor_.hand.value)
         if imgui.is_mouse_clicked(0):
-            entity = found.entity
-            session.queue(lambda: context.ask_key(session, entity, mouse))
+            self._cap = (found.entity, mouse)
         return not any(imgui.is_mouse_clicked(button) for button in (1, 2))
+
+    def _click_cap(
+        self, session: "Session", mouse: Point, entity: int, start: Point, *, there: bool
+    ) -> bool:
+        """Wait for the release of a press on a cap; one that is dragged becomes the tool's."""
+        if not there:
+            self._cap = None
+            return False
+        if is_drag(session, start, mouse):
+            self._cap = None
+            self._down.append(events.LEFT)
+            self._pointer(session, events.Pointer.PRESS, start, events.LEFT)
+            return False
+        if not imgui.is_mouse_down(0):
+            self._cap = None
+            session.queue(lambda: context.ask_key(session, entity, start))
+        return True
 
     def _pointer(
         self, session: "Session", kind: events.Pointer, mouse: tuple[float, float], button: int

@@ -1,6 +1,6 @@
 """The column beside the arena in Play: mode, step, result; the keys under them.
 
-Where there is no room beside the arena the same lines stand over its upper left corner, on plates.
+Where there is no room beside the arena the same lines stand in its upper left corner, on a plate.
 """
 
 import dataclasses
@@ -16,6 +16,7 @@ from editor.toolkit.appearance import COLOURS, FONTS, HUGE, SMALL, TEXT, Rgba, a
 from editor.toolkit.modes import MODE_LOOK, OUTCOME_LOOK
 from editor.toolkit.widgets import broken, draw_key_plate, fitted, font, px
 from editor.window.hints import pressed
+from editor.worker.recording import Snapshot
 from kinetix.environment.outcome import Outcome
 from kinetix.level.controls import channels_in_use, driven_by
 from kinetix.wording import plural
@@ -43,10 +44,27 @@ class _Column:
     bottom: float
     """Nothing is written below [px]."""
     plates: bool
-    """True if each line gets a plate, as it stands over the level."""
+    """True if it stands over the level, on a plate."""
+    reach: Point = (0.0, 0.0)
+    """Lower right corner of all that is written [px]."""
 
     def gap(self, height: float) -> None:
         self.y += px(height)
+
+    def wrote(self, right: float, bottom: float) -> None:
+        """Note how far something reaches that was written."""
+        self.reach = max(self.reach[0], right), max(self.reach[1], bottom)
+
+    def underlay(self, top: float) -> None:
+        """Draw the plate under all that was written from there on: the channel below is for it."""
+        if not self.reach[0]:
+            return
+        around = px(8)
+        low = (self.x - around, top - around)
+        high = (self.reach[0] + around, self.reach[1] + around)
+        self.draw.channels_set_current(0)
+        self.draw.add_rect_filled(low, high, u32(alpha(COLOURS.raised, 0.92)), px(8))
+        self.draw.channels_set_current(1)
 
     def lines(
         self, words: str, colour: Rgba, size: float = SMALL, face: imgui.ImFont | None = None
@@ -57,11 +75,8 @@ class _Column:
                 extent = imgui.calc_text_size(line)
                 if self.y + extent.y > self.bottom:
                     return
-                if self.plates:
-                    low = (self.x - px(6), self.y - px(2))
-                    high = (self.x + extent.x + px(6), self.y + extent.y + px(2))
-                    self.draw.add_rect_filled(low, high, u32(alpha(COLOURS.raised, 0.92)), px(4))
                 self.draw.add_text((self.x, self.y), u32(colour), line)
+                self.wrote(self.x + extent.x, self.y + extent.y)
                 self.y += extent.y + px(4)
 
 
@@ -77,19 +92,29 @@ def paint_side(
         split: Whether two players share the canvas, so that nothing is free beside the arena.
     """
     (x, y), (width, height) = area
-    left = session.camera.to_screen((ARENA[0][0], ARENA[1][1]))[0] - x
+    corner = session.camera.to_screen((ARENA[0][0], ARENA[1][1]))
+    left = corner[0] - x
     free = left - 2 * px(_EDGE)
     beside = not split and free >= px(_LEAST)
-    wide = min(free, px(_WIDTH)) if beside else min(px(_WIDTH), width - 2 * px(_EDGE))
-    at = x + left - px(_EDGE) - wide if beside else x + px(_EDGE)
+    if beside:
+        wide = min(free, px(_WIDTH))
+        at, top = x + left - px(_EDGE) - wide, y + px(_EDGE)
+    else:
+        at, top = max(corner[0], x) + px(_EDGE), max(corner[1], y) + px(_EDGE)
+        wide = min(px(_WIDTH), x + (width / 2 if split else width) - at - px(_EDGE))
     bottom = y + height - px(_EDGE)
-    column = _Column(draw=draw, x=at, y=y + px(_EDGE), width=wide, bottom=bottom, plates=not beside)
+    column = _Column(draw=draw, x=at, y=top, width=wide, bottom=bottom, plates=not beside)
+    draw.channels_split(2)
+    draw.channels_set_current(1)
     _badge(session, column)
     _results(session, column, area, split=split)
     _progress(session, column, beside)
     if beside:
         _keys(session, column)
         _goal(session, column)
+    else:
+        column.underlay(top)
+    draw.channels_merge()
 
 
 def _badge(session: "Session", column: _Column) -> None:
@@ -101,6 +126,7 @@ def _badge(session: "Session", column: _Column) -> None:
         column.draw.add_rect_filled((column.x, column.y), high, u32(colour), px(5))
         at = (column.x + px(8), column.y + px(4))
         column.draw.add_text(at, u32(COLOURS.backdrop), word)
+    column.wrote(*high)
     column.y = high[1]
     column.gap(10)
 
@@ -112,22 +138,38 @@ def _results(
     playback, rival = session.playback, session.viewer.rival
     if session.mode is not Mode.ENDED or playback.outcome is None:
         return
-    mine = [f"after {plural(playback.step_count, 'step')}"]
+    mine = [_after(playback.step_count)]
     other = rival.shown(playback.engine_step) if rival.active else None
     if other is not None and split:
+        _, (width, _) = area
+        top = column.y
+        half = dataclasses.replace(column, x=column.x + width / 2, reach=(0.0, 0.0))
         if other.outcome is not None:
-            (x, _), (width, _) = area
-            half = dataclasses.replace(column, x=x + width / 2 + px(_EDGE))
-            write_verdict(half, other.outcome, [f"after {plural(other.step, 'step')}"])
+            write_verdict(half, other.outcome, [_after(other.step)])
+        else:
+            half.lines(tr(_of_rival(session, other)), COLOURS.text, TEXT)
+        half.underlay(top)
     elif other is not None:
-        verdict = OUTCOME_LOOK[other.outcome][1].lower() if other.outcome else "still plays"
-        mine.insert(0, f"{rival.player}: {verdict}")
+        mine.append(_of_rival(session, other))
     write_verdict(column, playback.outcome, mine)
     for action, does in (("run.reset", "to restart"), ("run.stop", "to edit")):
         line = pressed(session, action, does)
         if line:
             column.lines(tr(line), COLOURS.muted)
     column.gap(8)
+
+
+def _after(steps: int) -> str:
+    return f"after {plural(steps, 'step')}"
+
+
+def _of_rival(session: "Session", shown: Snapshot) -> str:
+    """Return how it stands with the second player, whose first one has ended."""
+    rival, after = session.viewer.rival, _after(shown.step)
+    if rival.goes_on and rival.level is not None:
+        return f"{rival.player} goes on: step {shown.step} / {rival.level.max_timesteps}"
+    verdict = OUTCOME_LOOK[shown.outcome][1].lower() if shown.outcome else "undecided"
+    return f"{rival.player}: {verdict} {after}"
 
 
 def write_verdict(column: _Column, outcome: Outcome, details: Sequence[str]) -> None:
@@ -146,12 +188,8 @@ def write_verdict(column: _Column, outcome: Outcome, details: Sequence[str]) -> 
     size = HUGE * min(1.0, column.width / max(wanted, 1.0))
     with font(FONTS.bold, size):
         extent = imgui.calc_text_size(title)
-        if column.plates:
-            low = (column.x - px(10), column.y - px(6))
-            high = (column.x + extent.x + px(10), column.y + extent.y + px(6))
-            column.draw.add_rect_filled(low, high, u32(alpha(COLOURS.backdrop, 0.93)), px(8))
-            column.draw.add_rect(low, high, u32(colour), px(8), px(2))
         column.draw.add_text((column.x, column.y), u32(colour), title)
+    column.wrote(column.x + extent.x, column.y + extent.y)
     column.y += extent.y
     column.gap(8)
     for words in details:

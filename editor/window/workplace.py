@@ -269,8 +269,6 @@ class Workplace:
         if lower and imgui.is_item_clicked(0) and panel.id not in self._seen:
             # The last item is the tab. A click is meant, also while the layout settles.
             self._asked = panel.id
-            if self._row.folded():
-                self.canvas.framing.refit()
         self._give_height(panel, opened)
         if lower and opened:
             self._fold(panel)
@@ -318,8 +316,9 @@ class Workplace:
         # Panels that come back are all open for a frame before they are docked.
         docked = imgui.get_frame_count() > self._put_up + 1
         asked = opened and docked and panel.id == self._asked
-        if asked or (fresh and self.session.view.settled and not self._row.folded()):
-            self._row.fit(panel.height)
+        fits = asked or (fresh and self.session.view.settled and not self._row.folded())
+        if fits and self._row.fit(panel.height):
+            self.canvas.framing.refit()
         if opened:
             self._seen.add(panel.id)
             self._asked = "" if asked else self._asked

@@ -73,7 +73,8 @@ VIEW: Final = (
         label="Show Map",
         menu="View",
         context=Context.LEVEL,
-        tooltip="The whole arena, small, in the corner; a click moves the view there.",
+        tooltip="The whole arena and what lies outside, small, in the corner; a click moves the "
+        "view there.",
         checked=view.is_set("minimap"),
         run=view.switch_setting("minimap"),
     ),

@@ -1,8 +1,10 @@
 """The clipboard: a sub-graph of a level as text, and pasting it."""
 
 import dataclasses
-from collections.abc import Hashable
-from typing import Annotated, Final, Literal
+import itertools
+import re
+from collections.abc import Collection, Hashable
+from typing import Annotated, Final, Literal, TypeVar
 
 import msgspec
 
@@ -14,12 +16,25 @@ from kinetix.files.json_text import parse_strictly
 from kinetix.files.limits import LIMITS
 from kinetix.level import canonical, codec
 from kinetix.level.geometry import bounds_of, referenced_body, to_local, to_world
-from kinetix.level.model import Body, Circle, InertiaModel, Joint, Level, Point, Record, Thruster
+from kinetix.level.model import (
+    MAX_NAME,
+    Body,
+    Circle,
+    InertiaModel,
+    Joint,
+    Level,
+    Point,
+    Record,
+    Thruster,
+)
 
 FORMAT: Final = "kinetix-clip"
 VERSION: Final = 1
+_NUMBERED: Final = re.compile(r"(.+) (\d{1,6})", re.DOTALL)
 _LEVEL_MARKS: Final = (f'"{canonical.FORMAT}"', '"env_state"')
 """One of them is in every level file."""
+
+Copied = TypeVar("Copied", Body, Joint, Thruster)
 
 
 class Clip(Record, frozen=True, kw_only=True):
@@ -121,7 +136,10 @@ def _read(text: str) -> Clip:
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Paste:
-    """Adds a clip's bodies, joints and thrusters with new ids."""
+    """Adds a clip's bodies, joints and thrusters with new ids.
+
+    Names that the level has already are numbered: of `Wheel` the copies are `Wheel 2`, `Wheel 3`.
+    """
 
     clip: Clip
     shift: Point
@@ -158,13 +176,41 @@ class Paste:
             moved = freed(moved, body.id)
         moved = moved.replace(joints=tuple(_on_arena(moved, j) for j in moved.joints))
         new = {old.id: level.next_id + k for k, old in enumerate(moved.entities())}
-        fresh = renumbered(moved, new)
+        fresh = _named_apart(renumbered(moved, new), level)
         return level.replace(
             bodies=level.bodies + fresh.bodies,
             joints=level.joints + fresh.joints,
             thrusters=level.thrusters + fresh.thrusters,
             next_id=level.next_id + len(new),
         )
+
+
+def _named_apart(clip: Level, level: Level) -> Level:
+    """Return a clip's things with a number after each name that a level has already."""
+    taken = {entity.name for entity in level.entities()} - {None}
+    used = taken | {entity.name for entity in clip.entities()}
+
+    def apart(entity: Copied) -> Copied:
+        if entity.name not in taken:
+            return entity
+        name = _next_name(entity.name or "", used)
+        used.add(name)
+        return entity.replace(name=name)
+
+    return clip.replace(
+        bodies=tuple(map(apart, clip.bodies)),
+        joints=tuple(map(apart, clip.joints)),
+        thrusters=tuple(map(apart, clip.thrusters)),
+    )
+
+
+def _next_name(name: str, used: Collection[str | None]) -> str:
+    """Return a name with the next number that is free."""
+    numbered = _NUMBERED.fullmatch(name)
+    stem, first = (numbered[1], int(numbered[2]) + 1) if numbered else (name, 2)
+    ends = (f" {number}" for number in itertools.count(first))
+    names = (stem[: MAX_NAME - len(end)].rstrip() + end for end in ends)
+    return next(each for each in names if each not in used)
 
 
 def _on_arena(level: Level, joint: Joint) -> Joint:

@@ -20,9 +20,11 @@ from editor.toolkit.widgets.buttons import (
     button,
     checkbox,
     choice,
+    clear_button,
     icon_button,
     icon_width,
     primary_button,
+    radio,
     sign,
 )
 from editor.toolkit.widgets.caps import draw_key_plate, key_cap, key_caps, width_of_caps
@@ -59,6 +61,7 @@ __all__ = [
     "centred_lines",
     "checkbox",
     "choice",
+    "clear_button",
     "coloured",
     "disabled",
     "draw_key_plate",
@@ -79,6 +82,7 @@ __all__ = [
     "probe",
     "property_table",
     "px",
+    "radio",
     "raised_window",
     "raw",
     "row",

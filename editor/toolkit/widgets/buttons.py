@@ -1,6 +1,7 @@
 """Buttons, boxes to tick, lists to choose from."""
 
-from collections.abc import Sequence
+import contextlib
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
 from imgui_bundle import imgui
@@ -8,7 +9,7 @@ from imgui_bundle import imgui
 from editor.base.language import tr
 from editor.toolkit.appearance import COLOURS, Icons, Rgba, alpha
 from editor.toolkit.widgets.base import coloured, disabled, labelled, probe, px
-from editor.toolkit.widgets.words import MIXED, wrapped
+from editor.toolkit.widgets.words import MIXED, tooltip, wrapped
 
 if TYPE_CHECKING:
     from editor.session import Session
@@ -117,7 +118,13 @@ def button(session: "Session", name: str, label: str, *, width: float = 0.0) -> 
 
 
 def checkbox(
-    session: "Session", name: str, label: str, value: bool, *, mixed: bool = False
+    session: "Session",
+    name: str,
+    label: str,
+    value: bool,
+    *,
+    mixed: bool = False,
+    enabled: bool = True,
 ) -> tuple[bool, bool]:
     """A box to tick; `mixed` shows a dash. Returns whether it changed, and to what.
 
@@ -128,23 +135,51 @@ def checkbox(
     room = imgui.get_content_region_avail().x - imgui.get_frame_height() - gap
     fits = imgui.calc_text_size(words).x <= room
     imgui.begin_group()
+    imgui.begin_disabled(not enabled)
     imgui.push_item_flag(imgui.ItemFlags_.mixed_value.value, mixed)
-    # An empty box has next to no contrast to a panel: its border shows it.
-    imgui.push_style_var(imgui.StyleVar_.frame_border_size, 1.0)
-    imgui.push_style_color(imgui.Col_.border, imgui.ImVec4(*COLOURS.faint))
-    changed, value = imgui.checkbox(f"{words if fits else ''}###{name}", value)
-    imgui.pop_style_color()
-    imgui.pop_style_var()
+    with _bordered():
+        changed, value = imgui.checkbox(f"{words if fits else ''}###{name}", value)
     imgui.pop_item_flag()
     if not fits:
         imgui.same_line(0, gap)
         imgui.align_text_to_frame_padding()
         wrapped(label)
-        if imgui.is_item_clicked():
+        if enabled and imgui.is_item_clicked():
             changed, value = True, not value
+    imgui.end_disabled()
     imgui.end_group()
-    probe(session, name)
+    probe(session, name, enabled=enabled)
     return changed, value
+
+
+def radio(session: "Session", name: str, label: str, on: bool) -> bool:
+    """One of several that exclude each other; returns whether it was chosen."""
+    with _bordered():
+        pressed = imgui.radio_button(labelled(tr(label), name), on)
+    probe(session, name)
+    return pressed
+
+
+@contextlib.contextmanager
+def _bordered() -> Iterator[None]:
+    """Give boxes a border: an empty one has next to no contrast to a panel."""
+    imgui.push_style_var(imgui.StyleVar_.frame_border_size, 1.0)
+    with coloured(border=COLOURS.faint):
+        yield
+    imgui.pop_style_var()
+
+
+def clear_button(session: "Session", field: str) -> bool:
+    """Draw the cross beside a field with text in it; returns whether it was pressed.
+
+    Args:
+        session: Whose probe notes it.
+        field: Id of the field.
+    """
+    imgui.same_line(0, px(2))
+    pressed = icon_button(session, f"{field}.clear", Icons.close, tint=COLOURS.faint)
+    tooltip("Clear")
+    return pressed
 
 
 def choice(

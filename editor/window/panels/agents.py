@@ -9,7 +9,6 @@ from editor import actions
 from editor.actions import agents
 from editor.agents.folders import checkpoints_of
 from editor.agents.viewer import COMPARE_LABELS, SlotName, mismatch
-from editor.base.language import tr
 from editor.toolkit import widgets
 from editor.toolkit.appearance import COLOURS, FONTS, Icons
 from editor.toolkit.keys import label as chord_label
@@ -202,9 +201,9 @@ class AgentsPanel(Panel):
         for index, (kind, label) in enumerate(COMPARE_LABELS.items()):
             if index:
                 imgui.same_line()
-            if imgui.radio_button(tr(f"{label}###compare.{kind}"), viewer.compare == kind):
+            on = viewer.compare == kind
+            if widgets.radio(session, f"agents.compare.{kind}", label, on):
                 session.queue(f"agent.compare_{kind}")
-            widgets.probe(session, f"agents.compare.{kind}")
         widgets.small("F6 plays A against B; Space plays you against B.")
         rival = viewer.rival
         if rival.failure:
@@ -231,9 +230,8 @@ class AgentsPanel(Panel):
         for index, (about, label) in enumerate(_ABOUT.items()):
             if index:
                 imgui.same_line()
-            if imgui.radio_button(tr(f"{label}###about.{about}"), reasons.about == about):
+            if widgets.radio(session, f"agents.about.{about}", label, reasons.about == about):
                 reasons.about = about
-            widgets.probe(session, f"agents.about.{about}")
         imgui.unindent(px(22))
 
     def _more(self, session: "Session") -> None:

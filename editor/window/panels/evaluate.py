@@ -46,7 +46,6 @@ _ATTEMPTS: Final = 250.0
 
 def _label(words: str) -> None:
     """Draw the label of the next field."""
-    widgets.beside(170, gap=12)
     imgui.align_text_to_frame_padding()
     widgets.muted(words)
     imgui.same_line(0, px(6))
@@ -100,6 +99,7 @@ class EvaluatePanel(Panel):
         self._summary(session)
 
     def _fields(self, session: "Session") -> None:
+        """Draw what is played, who plays, how often: a line each where there is room."""
         form = session.viewer.form
         if session.view.levels_to_measure:
             self._choose_source(session, session.view.levels_to_measure)
@@ -110,6 +110,13 @@ class EvaluatePanel(Panel):
             self._choose_source(session, picked)
         played = session.gallery.selection if form.source == "chosen" else form.paths
         widgets.tooltip("Levels", ", ".join(played) or "What is played.")
+        widgets.beside(215, gap=8)
+        imgui.set_next_item_width(px(215))
+        options = [("", "Agents' own physics"), *((name, name) for name in PHYSICS)]
+        picked = widgets.choice(session, "evaluate.physics", form.physics, options)
+        form.physics = form.physics if picked is None else picked
+        self._who(session)
+        self._scripted(session)
         _label("Attempts")
         imgui.set_next_item_width(px(96))
         changed, attempts = imgui.input_int("###attempts", form.attempts)
@@ -117,6 +124,7 @@ class EvaluatePanel(Panel):
         if changed:
             form.attempts = min(max(attempts, 1), MOST_ATTEMPTS)
         widgets.tooltip("Attempts", "Independent episodes for each level and agent.")
+        widgets.beside(170, gap=12)
         _label("Seed")
         imgui.set_next_item_width(px(96))
         changed, seed = imgui.input_int("###seed", form.seed)
@@ -124,16 +132,17 @@ class EvaluatePanel(Panel):
         if changed:
             form.seed = max(seed, 0)
         widgets.tooltip("Seed", "Equal seeds give equal results, to the bit.")
-        widgets.beside(215, gap=8)
-        imgui.set_next_item_width(px(215))
-        options = [("", "Agents' own physics"), *((name, name) for name in PHYSICS)]
-        picked = widgets.choice(session, "evaluate.physics", form.physics, options)
-        form.physics = form.physics if picked is None else picked
-        self._who(session)
+
+    def _scripted(self, session: "Session") -> None:
+        """The scripted agents; one that is measured as A or B anyway is ticked and stays so."""
+        viewer, form = session.viewer, session.viewer.form
+        anyway = {agent.ref.path for agent in (*viewer.agents, *viewer.contenders)}
         for name in BUILT_IN:
             widgets.beside(90, gap=12)
-            on = name in form.scripted
-            changed, on = widgets.checkbox(session, f"evaluate.{name}", name, on)
+            on = name in form.scripted or name in anyway
+            changed, on = widgets.checkbox(
+                session, f"evaluate.{name}", name, on, enabled=name not in anyway
+            )
             if changed:
                 kept = tuple(other for other in form.scripted if other != name)
                 form.scripted = (*kept, name) if on else kept
@@ -144,7 +153,6 @@ class EvaluatePanel(Panel):
         names = [agent.name for agent in session.viewer.measured]
         words = f"Agents: {', '.join(names) or 'none loaded'}"
         shown = words if len(words) < _MOST_WORDS else f"{words[:_MOST_WORDS]}… ({len(names)})"
-        widgets.beside(imgui.calc_text_size(shown).x / px(1) + 240)
         imgui.align_text_to_frame_padding()
         widgets.muted(shown)
         if shown != words:

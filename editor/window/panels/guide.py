@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Final, TypeAlias
 from imgui_bundle import imgui
 
 from editor.actions import guide
+from editor.base.camera import ARENA
 from editor.base.language import tr
 from editor.toolkit import widgets
 from editor.toolkit.appearance import COLOURS, FONTS, alpha, u32
@@ -16,9 +17,12 @@ if TYPE_CHECKING:
     from editor.session import Session
 
 _WIDTH: Final = 320.0
-_WIDTH_BESIDE: Final = 236.0
-"""In a low window: beside the level, not over it."""
+_NARROW: Final = 236.0
+"""As wide as it is at least in Edit, and in a low window."""
+_LEAST: Final = 190.0
+"""Its least width in Play."""
 _MARGIN: Final = 14.0
+_GAP: Final = 4.0
 _WINDOW: Final = "###guide"
 
 Rect: TypeAlias = tuple[tuple[float, float], tuple[float, float]]
@@ -26,7 +30,7 @@ Rect: TypeAlias = tuple[tuple[float, float], tuple[float, float]]
 
 
 class GuideCard:
-    """A small window in the lower right corner; it can be moved, folded and closed."""
+    """A small window in a lower corner, beside the arena; it can be moved, folded and closed."""
 
     def __init__(self) -> None:
         self.place: Rect | None = None
@@ -40,12 +44,13 @@ class GuideCard:
         """Draw it while somebody is guided."""
         guide.follow(session)
         number = session.settings.guide_step
-        if number == guide.CLOSED or session.gallery.open:
+        offered = number == guide.OFFERED and not session.editing
+        if number == guide.CLOSED or offered or session.gallery.open:
             self.place = None
             return
-        self._put()
-        low = layouts.room_now() is layouts.Room.LOW
-        imgui.set_next_window_size((px(_WIDTH_BESIDE if low else _WIDTH), 0.0))
+        left, width = _corner(session)
+        self._put(left=left)
+        imgui.set_next_window_size((width, 0.0))
         flags = (
             imgui.WindowFlags_.no_docking.value
             | imgui.WindowFlags_.no_saved_settings.value
@@ -66,7 +71,7 @@ class GuideCard:
         if not kept:
             session.queue(lambda: guide.close(session))
 
-    def _put(self) -> None:
+    def _put(self, *, left: bool) -> None:
         """Keep it between the bars; at the bottom it grows upwards when a step has more to say."""
         viewport = imgui.get_main_viewport()
         right = viewport.work_pos.x + viewport.work_size.x - px(_MARGIN)
@@ -78,7 +83,10 @@ class GuideCard:
             self._dragged = True
             self._at_bottom = window.pos.y + window.size.y >= bottom
         if window is None or not self._dragged:
-            imgui.set_next_window_pos((right, bottom), 0, (1.0, 1.0))
+            if left:
+                imgui.set_next_window_pos((viewport.work_pos.x + px(_MARGIN), bottom), 0, (0, 1))
+            else:
+                imgui.set_next_window_pos((right, bottom), 0, (1.0, 1.0))
             return
         edge, lower = window.pos.x + window.size.x, window.pos.y + window.size.y
         if self._at_bottom or edge > right or lower > bottom:
@@ -144,3 +152,26 @@ class GuideCard:
         widgets.beside_words(leave, gap=14)
         if widgets.button(session, "guide.close", leave):
             session.queue(lambda: guide.close(session))
+
+
+def _corner(session: "Session") -> tuple[bool, float]:
+    """Return whether it belongs to the left, and its width [px]: what a step is about is free.
+
+    In Edit that is the canvas, what is below it and the Inspector: it stands over the left column,
+    if there is one, else over the lower part of the right one. In Play it stands beside the arena.
+    """
+    viewport, camera = imgui.get_main_viewport(), session.camera
+    (low, _), (high, _) = camera.to_screen(ARENA[0]), camera.to_screen(ARENA[1])
+    end = viewport.work_pos.x + viewport.work_size.x
+    dock = px(_NARROW + _MARGIN)
+    before = camera.origin[0] - viewport.work_pos.x
+    after = end - camera.origin[0] - camera.size[0]
+    wide = layouts.room_now() is layouts.Room.WIDE
+    left = wide and (not session.editing or before >= dock)
+    if left:
+        free = before if session.editing else low - viewport.work_pos.x
+    else:
+        free = after if session.editing and after >= dock else end - high
+    narrow = session.editing or layouts.room_now() is layouts.Room.LOW
+    least = px(_NARROW if narrow else _LEAST)
+    return left, min(max(free - px(_MARGIN + _GAP), least), px(_WIDTH))

@@ -38,11 +38,15 @@ class Outliner(Panel):
     def draw(self, session: "Session") -> None:
         """Draw the filter and the tree."""
         level = session.document.shown
-        imgui.set_next_item_width(-1)
+        cross = widgets.icon_width(Icons.close) + px(2) if self._filter else 1.0
+        imgui.set_next_item_width(-cross)
+        filtered = bool(self._filter)
         _, self._filter = widgets.input_line(
             "outliner.filter", f"{Icons.search}  Filter", self._filter
         )
         widgets.probe(session, "outliner.filter")
+        if filtered and widgets.clear_button(session, "outliner.filter"):
+            self._filter = ""
         # The rows scroll under the filter, which stays; padding leaves them their round corners.
         imgui.push_style_var(imgui.StyleVar_.window_padding, imgui.ImVec2(px(4), px(1)))
         imgui.begin_child("rows", None, imgui.ChildFlags_.always_use_window_padding.value)
@@ -55,22 +59,25 @@ class Outliner(Panel):
         self._follow = session.selection
         imgui.push_style_var(imgui.StyleVar_.item_spacing, imgui.ImVec2(px(6), px(1)))
         hanging = parts_of(level)
-        for body in level.bodies:
-            self._body(session, body, hanging[body.id], scroll)
+        found = [self._body(session, body, hanging[body.id], scroll) for body in level.bodies]
         if level.bodies:
             imgui.dummy((0, px(6)))
-        self._arena(session, level)
+        found.append(self._arena(session, level))
         imgui.pop_style_var()
+        if self._filter and not any(found):
+            words = f"Nothing here is called {self._filter}."
+            widgets.empty_state(Icons.search, "No results", words)
         imgui.end_child()
 
     def _shows(self, words: str) -> bool:
         return self._filter.lower() in words.lower()
 
-    def _body(self, session: "Session", body: Body, hanging: "Hanging", scroll: bool) -> None:
+    def _body(self, session: "Session", body: Body, hanging: "Hanging", scroll: bool) -> bool:
+        """Draw a body and what hangs on it, unless the filter leaves it out; whether it did."""
         call = session.document.spoken_name_of
         parts = (body, *hanging.joints, *hanging.thrusters)
         if self._filter and not self._shows(" ".join([body.role, *(call(p.id) for p in parts)])):
-            return
+            return False
         if not self._out_of_sight(session, body.id, scroll):
             icon = Icons.circle if isinstance(body.shape, Circle) else Icons.rectangle
             if not isinstance(body.shape, Circle) and len(body.shape.vertices) == 3:
@@ -84,6 +91,7 @@ class Outliner(Panel):
             if not self._out_of_sight(session, thruster.id, scroll):
                 self._thruster(session, thruster, scroll)
         imgui.unindent(px(18))
+        return True
 
     def _out_of_sight(self, session: "Session", entity: EntityId, scroll: bool) -> bool:
         """Leave room for a row that nobody sees: a level may have a thousand.
@@ -195,15 +203,18 @@ class Outliner(Panel):
             chosen = (entity,)
         session.queue(lambda: setattr(session, "selection", chosen))
 
-    def _arena(self, session: "Session", level: Level) -> None:
+    def _arena(self, session: "Session", level: Level) -> bool:
         """The sides of the arena: under a heading that folds, or those that the filter finds."""
         if not self._filter and not widgets.section("Arena", opened=False):
-            return
+            return False
+        found = False
         for name, label in ARENA_LABELS.items():
             called = tr(label)
             if self._shows(f"{label} {called}"):
                 role = getattr(level.arena, name).role
                 self._row(session, name, Icons.arena, called, _role_colour(role), False)
+                found = True
+        return found
 
 
 @dataclasses.dataclass(kw_only=True)

@@ -46,7 +46,7 @@ def _colour(index: int) -> Rgba:
 class TrainingPanel(Panel):
     """Reads what the watch has read; draws one plot a metric that is switched on."""
 
-    id, title, icon = "training", "Training", Icons.plots
+    id, title, icon = "training", "Training", Icons.training
     height = 290.0
     measures = True
 

@@ -462,6 +462,8 @@ def test_hidden_things_come_back(session, hand):
     hand.click((4.0, 3.0))
     assert session.selection == ()
     hand.key("h", ctrl=True)
+    assert session.document.hidden == {3}
+    hand.key("h", alt=True)
     assert session.document.hidden == frozenset()
 
 

@@ -47,7 +47,17 @@ from kinetix.level.geometry import (
     to_world,
     world_vertices,
 )
-from kinetix.level.model import Body, Circle, Joint, Level, Limits, Motor, Polygon, Thruster
+from kinetix.level.model import (
+    MAX_NAME,
+    Body,
+    Circle,
+    Joint,
+    Level,
+    Limits,
+    Motor,
+    Polygon,
+    Thruster,
+)
 from kinetix.level.validate import validate
 from tests.editor.core.helpers import a_level
 
@@ -576,3 +586,34 @@ def test_parts_on_other_bodies_are_left_as_they_are():
     assert after.entity(9) is level.entity(9)  # a thousand of them would take seconds
     assert after.entity(5).anchor_a == pytest.approx((0.4, 0.0))
     assert after.entity(6).position == pytest.approx((-0.3, 0.2))
+
+
+def test_copies_of_what_has_a_name_are_numbered():
+    level = a_level()
+    level = level.replace(
+        bodies=(level.bodies[0].replace(name="Board"), *level.bodies[1:]),
+        joints=(level.joints[0].replace(name="Axle"),),
+        thrusters=(level.thrusters[0].replace(name="Jet 9"),),
+    )
+    found = clip.copied(level, (1, 2))
+    twice = clip.Paste(clip=found, shift=(0.5, 0.0)).apply(
+        clip.Paste(clip=found, shift=(0.3, 0.0)).apply(level)
+    )
+    names = [entity.name for entity in twice.entities() if entity.name]
+    assert names == [
+        *("Board", "Board 2", "Board 3"),
+        *("Axle", "Axle 2", "Axle 3"),
+        *("Jet 9", "Jet 10", "Jet 11"),
+    ]
+    third = clip.Paste(clip=clip.copied(twice, (twice.bodies[4].id,)), shift=(0.0, 1.0))
+    assert third.apply(twice).bodies[-1].name == "Board 4"
+    # Where a name is free it stays.
+    elsewhere = clip.Paste(clip=found, shift=(0.0, 0.0)).apply(Level(name="Another"))
+    assert [entity.name for entity in elsewhere.entities()] == ["Board", None, "Axle", "Jet 9"]
+
+
+def test_a_long_name_is_cut_for_the_number_of_its_copy():
+    longest = "x" * MAX_NAME
+    level = Level(name="One", bodies=(a_level().bodies[0].replace(name=longest),))
+    copy = clip.Paste(clip=clip.copied(level, (1,)), shift=(1.0, 0.0)).apply(level).bodies[-1]
+    assert copy.name == "x" * (MAX_NAME - 2) + " 2"

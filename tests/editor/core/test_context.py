@@ -111,3 +111,18 @@ def test_a_key_goes_to_the_level_that_it_was_asked_for(entity, field):
     session.answer(session.prompts[-1], "1")
     assert read_field(asked.level.entity(entity), field) == 1
     assert session.document.level == a_level()
+
+
+def test_hiding_needs_something_selected_and_all_can_be_shown_again():
+    session = a_session()
+    assert not actions.run(session, "edit.hide") and not actions.run(session, "edit.show_all")
+    assert "edit.show_all" not in [choice.id for choice in menu(session, (3.0, 1.5)).choices]
+    session = a_session()
+    document = session.document
+    session.selection = (3,)
+    assert actions.run(session, "edit.hide")
+    assert document.hidden == {3}
+    names = [choice.id for choice in menu(session, (3.0, 1.5)).choices]
+    assert "edit.show_all" in names and "edit.hide" not in names
+    assert actions.run(session, "edit.show_all")
+    assert not document.hidden

@@ -154,12 +154,12 @@ def test_a_format_without_names_asks_before_it_drops_them(session, path):
     assert "names of shapes, joints and thrusters" in question.message
 
 
-def test_copies_keep_their_names(session):
+def test_copies_have_names_with_a_number(session):
     session.document.commit(ReplaceLevel(level=a_level(), label="Start"))
     rename(session, 2, "Wheel")
     session.selection = (2,)
     assert run(session, "edit.duplicate")
-    assert [b.name for b in session.document.level.bodies if b.name] == ["Wheel", "Wheel"]
+    assert [b.name for b in session.document.level.bodies if b.name] == ["Wheel", "Wheel 2"]
     copied = clip.copied(session.document.level, (2,))
     assert clip.loads(clip.dumps(copied)) == copied
 

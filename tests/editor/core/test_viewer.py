@@ -540,6 +540,29 @@ def test_the_second_player_keeps_step(with_agent, stage):
     assert not rival.active
 
 
+def test_the_second_player_plays_to_its_own_end(with_agent, stage):
+    stage.agents["/agents/Other"] = a_summary("Other")
+    agents.load_agent(with_agent, "/agents/Other", "b")
+    settle(with_agent)
+    actions.run(with_agent, "agent.compare_ghost")
+    playback, rival = with_agent.playback, with_agent.viewer.rival
+    playback.simulator.ends_at, playback.simulator.ends = 20, "won"
+    rival.simulator.ends_at, rival.simulator.ends = 40, "lost"
+    with_agent.settings.restart_automatically = True
+    Hand(with_agent).key("f6")
+    run(with_agent, 0.9)
+    assert playback.mode is Mode.ENDED
+    assert rival.goes_on and 20 <= rival.shown(playback.engine_step).step < 40
+    episode = playback.episode
+    run(with_agent, 1.0)
+    assert playback.episode == episode
+    assert not rival.goes_on and rival.shown(playback.engine_step).outcome == "lost"
+    # The timeline has the moments of the first one: there they are side by side.
+    playback.scrub(10)
+    run(with_agent, 0.1)
+    assert rival.shown(playback.engine_step).step == 10
+
+
 def test_a_person_plays_against_an_agent(with_agent, stage):
     stage.agents["/agents/Other"] = a_summary("Other")
     agents.load_agent(with_agent, "/agents/Other", "b")

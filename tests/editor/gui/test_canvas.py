@@ -9,9 +9,10 @@ from imgui_bundle import imgui
 
 from editor.drawing import debug_draw
 from editor.drawing.strokes import Room
+from editor.editing.picking import bodies_at
 from editor.toolkit.widgets import px
 from kinetix.level.geometry import FLOOR_TOP
-from kinetix.level.model import Body, Circle, Joint, Level, Motor, Thruster
+from kinetix.level.model import Body, Circle, Joint, Level, Motor, Polygon, Thruster
 from tests.editor.core.helpers import a_level, a_session
 
 
@@ -20,14 +21,15 @@ def caps(gui):
     return {place.entity: place for place in gui.host.ui.workplace.canvas.caps}
 
 
-def a_caterpillar():
+def a_caterpillar(links=8):
     """Many driven joints close together."""
     bodies = tuple(
-        Body(id=k + 1, shape=Circle(radius=0.1), position=(1.0 + 0.12 * k, 1.0)) for k in range(9)
+        Body(id=k + 1, shape=Circle(radius=0.1), position=(1.0 + 0.96 / links * k, 1.0))
+        for k in range(links + 1)
     )
     joints = tuple(
         Joint(
-            id=20 + k,
+            id=100 + k,
             kind="revolute",
             a=k + 1,
             b=k + 2,
@@ -35,7 +37,7 @@ def a_caterpillar():
             anchor_b=(-0.06, 0.0),
             motor=Motor(),
         )
-        for k in range(8)
+        for k in range(links)
     )
     return Level(name="Caterpillar", bodies=bodies, joints=joints)
 
@@ -73,7 +75,7 @@ def test_key_caps_are_no_larger_than_the_machine_and_leave_each_other_room(make_
 
 
 def test_the_caps_of_what_is_selected_are_always_there(make_gui):
-    gui = make_gui(session=a_session(level=a_caterpillar()))
+    gui = make_gui(session=a_session(level=a_caterpillar(links=40)))
     few = caps(gui)
     left_out = next(joint.id for joint in gui.level.joints if joint.id not in few)
     gui.session.selection = (left_out,)
@@ -150,6 +152,74 @@ def test_a_click_on_a_key_cap_chooses_another_key(make_gui):
         assert gui.session.prompts
         gui.click(f"list.{choice}")
         assert value() == int(choice)
+
+
+def a_car(board_half_height=0.1):
+    """A board with two driven wheels: all that stands near a joint is a shape."""
+    board = Polygon(
+        vertices=(
+            (0.6, board_half_height),
+            (-0.6, board_half_height),
+            (-0.6, -board_half_height),
+            (0.6, -board_half_height),
+        )
+    )
+    wheels = (
+        Body(id=2, shape=Circle(radius=0.25), position=(1.2, 0.8)),
+        Body(id=3, shape=Circle(radius=0.25), position=(2.0, 0.8)),
+    )
+    joints = tuple(
+        Joint(
+            id=wheel.id + 2,
+            kind="revolute",
+            a=1,
+            b=wheel.id,
+            anchor_a=(wheel.position[0] - 1.6, wheel.position[1] - 0.9),
+            anchor_b=(0.0, 0.0),
+            motor=Motor(),
+        )
+        for wheel in wheels
+    )
+    bodies = (Body(id=1, shape=board, position=(1.6, 0.9)), *wheels)
+    return Level(name="Car", bodies=bodies, joints=joints)
+
+
+def middle(place):
+    return (place.low[0] + place.high[0]) / 2, (place.low[1] + place.high[1]) / 2
+
+
+@pytest.mark.parametrize("size", [(1024, 640), (1280, 800)])
+def test_key_caps_keep_off_shapes_where_there_is_room_beside_them(make_gui, size):
+    gui = make_gui(level=a_car(), size=size)
+    for place in caps(gui).values():
+        for x, y in itertools.product((place.low[0], place.high[0]), (place.low[1], place.high[1])):
+            assert not bodies_at(gui.level, gui.session.camera.to_world((x, y)), arena=False)
+
+
+def test_a_shape_under_a_key_cap_is_selected_and_dragged(make_gui):
+    gui = make_gui(level=a_car(board_half_height=1.5))
+    board = gui.level.bodies[0]
+    place = caps(gui)[4]
+    gui.click_at(*middle(place))
+    assert not gui.session.prompts
+    assert gui.session.selection == (1,)
+    gui.session.selection = (4,)
+    (x, y) = gui.session.camera.to_world(middle(caps(gui)[4]))
+    gui.drag((x, y), (x + 0.5, y))
+    assert not gui.session.prompts
+    assert gui.level.bodies[0].position[0] > board.position[0] + 0.3
+    gui.session.selection = (4,)
+    at = middle(caps(gui)[4])
+    gui.move(*at)
+    gui.button(*at, pressed=True)
+    gui.key("delete")
+    gui.button(*at, pressed=False)
+    gui.frames(2)
+    assert not gui.session.prompts and all(joint.id != 4 for joint in gui.level.joints)
+    gui.key("ctrl+z")
+    gui.session.selection = (4,)
+    gui.click_at(*middle(caps(gui)[4]))
+    assert gui.session.prompts
 
 
 @pytest.mark.parametrize(("size", "lines"), [((1440, 900), 5), ((800, 500), 3)])

@@ -3,12 +3,31 @@
 import dataclasses
 
 import pytest
+from imgui_bundle import imgui
 
 from editor.actions import guide
 from editor.base.settings import Settings, SettingsKeeper
 from editor.documents.commands.fields import SetField
 from editor.documents.commands.group import Move
 from kinetix.paths import levels_dir
+from tests.editor.core.helpers import a_session
+
+
+def rect(name):
+    window = imgui.internal.find_window_by_name(name)
+    return window.pos.x, window.pos.y, window.pos.x + window.size.x, window.pos.y + window.size.y
+
+
+def card():
+    return rect("###guide")
+
+
+def arena(gui):
+    return (*gui.screen(0.0, 5.0), *gui.screen(5.0, 0.0))
+
+
+def apart(one, other):
+    return one[2] <= other[0] or other[2] <= one[0] or one[3] <= other[1] or other[3] <= one[1]
 
 
 @pytest.fixture
@@ -117,6 +136,16 @@ def test_the_first_start_offers_it_and_no_later_one(gui, step):
     assert step() == guide.CLOSED
 
 
+def test_a_guide_that_is_done_is_put_away_at_the_next_start(gui, step):
+    gui.session.settings.recents = ["/somewhere/level.json"]
+    gui.session.settings.guide_step = 4
+    guide.offer(gui.session)
+    assert step() == 4
+    gui.session.settings.guide_step = len(guide.STEPS)
+    guide.offer(gui.session)
+    assert step() == guide.CLOSED
+
+
 def test_a_level_that_is_open_stays_open(gui):
     gui.key("r")
     gui.drag((0.8, 1.0), (2.0, 1.4))
@@ -150,3 +179,33 @@ def test_moving_things_is_no_step(gui, step):
     gui.session.queue(Move(ids=(gui.level.bodies[0].id,), shift=(0.1, 0.0)))
     gui.frames(4)
     assert step() == 1
+
+
+@pytest.mark.parametrize("size", [(1280, 800), (1024, 640), (1920, 1080)])
+def test_the_card_covers_nothing_that_a_step_is_about(make_gui, size):
+    gui = make_gui(session=a_session(), size=size)
+    gui.frames(40)
+    gui.session.selection = (1,)
+    for step in (5, 7, 8):
+        gui.session.settings.guide_step = step
+        gui.frames(6)
+        assert apart(card(), arena(gui))
+        assert card()[0] >= gui.probe("canvas").high[0] or card()[2] <= gui.probe("canvas").low[0]
+        if size[0] > 1024:
+            assert apart(card(), rect("###panel-inspector"))
+    gui.key("space")
+    gui.frames(20)
+    assert gui.shows("guide.next") and apart(card(), arena(gui))
+
+
+def test_the_offer_waits_while_a_level_is_played(make_gui):
+    gui = make_gui(session=a_session())
+    gui.session.settings.guide_step = guide.OFFERED
+    gui.frames(4)
+    assert gui.shows("guide.next")
+    gui.key("space")
+    gui.frames(4)
+    assert not gui.shows("guide.next")
+    gui.key("escape")
+    gui.frames(4)
+    assert gui.shows("guide.next")

@@ -197,14 +197,34 @@ def test_the_left_column_folds_away_by_itself_and_comes_back(make_gui):
     assert gui.probe("canvas").high == pytest.approx(before.high, abs=2)
 
 
-@pytest.mark.parametrize("panel", ["problems", "plots", "log", "agents", "history"])
+@pytest.mark.parametrize("panel", ["agents", "history"])
 def test_the_view_does_not_jump_when_panels_come_and_go(gui, panel):
     gui.frames(40)
     before = arena(gui)
     gui.bring(panel)
     assert arena(gui) == pytest.approx(before, abs=0.5)
-    gui.bring("problems")
+    gui.bring("inspector")
     assert arena(gui) == pytest.approx(before, abs=0.5)
+
+
+@pytest.mark.parametrize("panel", ["problems", "plots", "log"])
+@pytest.mark.parametrize("size", [(1280, 800), (1024, 640)])
+def test_a_level_shown_whole_is_so_above_a_panel_that_was_asked_for(make_gui, size, panel):
+    gui = make_gui(size=size)
+    gui.frames(40)
+    before = arena(gui)
+    gui.bring(panel)
+    gui.frames(20)
+    assert arena(gui)[3] < before[3] and seen_whole(gui)
+    gui.click("lower.fold")
+    gui.frames(20)
+    assert arena(gui) == pytest.approx(before, abs=0.5)
+    # Who looks at a part of the level goes on looking at it.
+    gui.wheel(*gui.screen(2.5, 2.5), 3)
+    zoomed = arena(gui)
+    gui.bring(panel)
+    gui.frames(20)
+    assert arena(gui) == pytest.approx(zoomed, abs=0.5)
 
 
 @pytest.mark.parametrize("panel", ["evaluate", "training", "curriculum"])

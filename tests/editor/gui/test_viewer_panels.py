@@ -9,7 +9,7 @@ import pytest
 from editor import actions
 from editor.actions import agents, export, measure, watch
 from editor.actions.save_table import save_table
-from editor.agents.evaluation import Plan
+from editor.agents.evaluation import Plan, bare_summary
 from editor.agents.metrics import Metrics
 from editor.base.prompts import Choice, FileQuestion, MenuQuestion
 from editor.drawing.agent_overlay import most_entropy, value_range
@@ -275,7 +275,7 @@ def test_the_camera_comes_back_after_side_by_side(with_agent):
     ("compare", "told"),
     [
         ("side", [("won", "after 5 steps"), ("lost", "after 8 steps")]),
-        ("ghost", [("lost", "Other: won")]),
+        ("ghost", [("lost", "Other: won after 5 steps")]),
     ],
 )
 def test_each_of_two_players_has_its_own_verdict(with_agent, monkeypatch, compare, told):
@@ -288,7 +288,7 @@ def test_each_of_two_players_has_its_own_verdict(with_agent, monkeypatch, compar
     draw = play_side.write_verdict
 
     def verdict(column, outcome, details):
-        shown.append((outcome, details[0]))
+        shown.append((outcome, details[-1]))
         draw(column, outcome, details)
 
     monkeypatch.setattr(play_side, "write_verdict", verdict)
@@ -300,6 +300,28 @@ def test_each_of_two_players_has_its_own_verdict(with_agent, monkeypatch, compar
     assert [outcome for outcome, _ in shown] == [outcome for outcome, _ in told]
     for (_, detail), (_, words) in zip(shown, told, strict=True):
         assert detail.startswith(words)
+
+
+def test_it_is_said_in_its_half_how_far_the_second_player_is_that_plays_on(with_agent, monkeypatch):
+    session = with_agent.session
+    session.playback.simulator.ends_at = 5
+    session.viewer.slots["b"].summary = a_summary("Other")
+    session.viewer.compare = "side"
+    written = []
+    lines = play_side._Column.lines
+
+    def noted(column, words, *style):
+        written.append((column.x, words))
+        lines(column, words, *style)
+
+    monkeypatch.setattr(play_side._Column, "lines", noted)
+    with_agent.key("f6")
+    with_agent.frames(60)
+    assert session.mode is Mode.ENDED
+    middle = session.camera.origin[0] + session.camera.size[0]
+    theirs = [words for x, words in written if x > middle]
+    steps = [int(words.split()[4]) for words in theirs if words.startswith("Other goes on: step")]
+    assert len(set(steps)) > 5 and steps[-1] > 8
 
 
 def test_the_second_half_shows_the_level_until_the_second_player_is_ready(with_agent, monkeypatch):
@@ -590,6 +612,35 @@ def test_the_form_evaluates_and_the_table_opens_attempts(with_agent):
     settle(with_agent)
     assert session.mode is Mode.REPLAY
     assert session.playback.casting.attempt == 1
+
+
+def test_a_scripted_agent_that_is_measured_as_b_is_ticked(with_agent):
+    session = with_agent.session
+    session.viewer.slots["b"].summary = bare_summary("random")
+    front(with_agent, "evaluate")
+    assert not with_agent.probe("evaluate.random").enabled
+    assert with_agent.probe("evaluate.noop").enabled
+    with_agent.click("evaluate.random")
+    assert session.viewer.form.scripted == ()
+    with_agent.click("evaluate.noop")
+    assert [agent.name for agent in session.viewer.measured] == ["Tester", "random", "noop"]
+
+
+@pytest.mark.parametrize("size", [(1024, 640), (1280, 800)])
+def test_the_form_has_a_line_for_what_for_who_and_for_how_often(with_agent, size):
+    with_agent.host.size = size
+    with_agent.frames(40)
+    front(with_agent, "evaluate")
+    rows = [
+        {round(with_agent.probe(f"evaluate.{name}").centre[1]) for name in names}
+        for names in (
+            ("source", "physics"),
+            ("more", "random", "noop", "planner"),
+            ("attempts", "seed", "run", "open"),
+        )
+    ]
+    assert [len(row) for row in rows] == [1, 1, 1]
+    assert sorted(min(row) for row in rows) == [min(row) for row in rows]
 
 
 def test_a_long_table_draws_only_what_is_in_sight(with_agent):

@@ -15,6 +15,7 @@ from editor.base.settings import Settings
 from editor.documents.document import Document
 from editor.play.mode import Mode
 from editor.session import Session
+from editor.toolkit import widgets
 from editor.toolkit.keys import label
 from editor.window.panels.help import rows_of
 from editor.window.panels.menu import MENUS
@@ -552,3 +553,46 @@ def test_a_window_that_is_resized_moves_nothing_under_a_pointer_that_drags(make_
     left, right = gui.screen(0.0, 2.0)[0], gui.screen(5.0, 2.0)[0]
     assert left >= gui.session.camera.origin[0] - 1
     assert right <= gui.session.camera.origin[0] + gui.session.camera.size[0] + 1
+
+
+def test_a_filter_that_finds_nothing_says_so_and_is_cleared_by_a_click(make_gui, monkeypatch):
+    gui = make_gui(level=BALL)
+    said = []
+    monkeypatch.setattr(widgets, "empty_state", lambda _, *words: said.append(words[-1]))
+    gui.click("outliner.filter")
+    gui.text("ball")
+    gui.text("zzz")
+    assert "Nothing here is called ballzzz." in said
+    gui.click("outliner.filter.clear")
+    said.clear()
+    gui.frames(2)
+    assert not any("is called" in words for words in said) and gui.shows("outliner.1")
+
+
+def test_the_words_of_the_gallerys_search_are_cleared_by_a_click(gui):
+    gui.key("ctrl+g")
+    gui.frames(6)
+    gui.click("gallery.search")
+    gui.text("zzz")
+    assert gui.session.gallery.wish.words == "zzz"
+    gui.click("gallery.search.clear")
+    assert gui.session.gallery.wish.words == ""
+
+
+def test_no_two_panels_have_one_sign(gui):
+    signs = [panel.icon for panel in gui.host.ui.workplace.panels]
+    assert len(set(signs)) == len(signs)
+
+
+def test_the_map_shows_what_lies_outside_of_the_arena_in_edit(make_gui):
+    far = BALL.bodies[0].replace(id=7, position=(-2.0, 6.5))
+    gui = make_gui(level=BALL.replace(bodies=(*BALL.bodies, far), next_id=8))
+    gui.session.queue("view.minimap")
+    gui.frames(4)
+    minimap = gui.host.ui.workplace.canvas._minimap
+    low, side, camera = minimap._low, minimap._side, minimap._camera
+    for world in ((-2.0, 6.5), (0.0, 0.0), (5.0, 0.0)):
+        x, y = camera.to_screen(world)
+        assert low[0] <= x <= low[0] + side and low[1] <= y <= low[1] + side
+    gui.click_at(*camera.to_screen((-2.0, 6.5)))
+    assert math.dist(gui.session.camera.centre, (-2.0, 6.5)) < 0.1

@@ -55,9 +55,13 @@ def draw_head(session: "Session", cards: Sequence[Card], *, places: bool) -> Non
     close, free = px(34), imgui.get_content_region_avail().x
     order = px(150) if free > px(420) else px(112)
     room = free - close - order - px(60 + _COUNT)
-    imgui.set_next_item_width(max(min(room, px(420)), px(80)))
+    searched = bool(wish.words)
+    cross = widgets.icon_width(Icons.close) + px(2) if searched else 0.0
+    imgui.set_next_item_width(max(min(room, px(420)), px(80)) - cross)
     _search(gallery, cards)
     widgets.probe(session, "gallery.search")
+    if searched and widgets.clear_button(session, "gallery.search"):
+        gallery.wish = dataclasses.replace(gallery.wish, words="")
     imgui.same_line(0, px(8))
     imgui.set_next_item_width(order)
     picked = widgets.choice(
