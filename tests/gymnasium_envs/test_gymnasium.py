@@ -101,7 +101,8 @@ def test_modes_of_starting_anew(same):
     assert (rows[-1][1][ended] == 0).all() and not (rows[-1][2] | rows[-1][3])[ended].any()
 
     never = KinetixVectorEnv(3, **LEVEL, autoreset_mode=AutoresetMode.DISABLED)
-    rows = play_to_the_end(never, "disabled")
+    with pytest.warns(UserWarning, match="are over, and rewards repeat"):
+        rows = play_to_the_end(never, "disabled")
     assert not np.allclose(rows[-1][0][0], first[0])
     observation, _ = never.reset(options={"reset_mask": np.array([True, False, False])})
     np.testing.assert_allclose(observation[0], first[0])
