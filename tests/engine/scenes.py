@@ -186,9 +186,7 @@ def falling_arm(reach):
 
 def thrown_arm(spin, reach):
     """An arm pinned at its centre that turns from just below the middle of its limits."""
-    arm = Body(
-        id=2, shape=box(0.8, 0.1), position=(0.0, 4.0), angle=-0.01, angular_velocity=spin
-    )
+    arm = Body(id=2, shape=box(0.8, 0.1), position=(0.0, 4.0), angle=-0.01, angular_velocity=spin)
     joint = within(reach, anchor=0.0)
     return level(post((0.0, 4.0)), arm, joints=(joint,), gravity=(0.0, 0.0))
 
