@@ -17,13 +17,23 @@ def joint_acts(world: World) -> Bool[Array, "j n"]:
     return joints.active & movable & active_a & active_b & (joints.body_a != joints.body_b)
 
 
-def nearer_limit(
-    world: World, angle: Float[Array, "j n"]
+def next_limit(
+    world: World, angle: Float[Array, "j n"], turn: Float[Array, "j n"]
 ) -> tuple[Float[Array, "j n"], Float[Array, "j n"]]:
-    """Return the nearer limit (+1 the lower, −1 the upper one), and the angle left to it [rad]."""
+    """Return the limit that a joint would pass, else the nearer one, and the angle left to it.
+
+    Args:
+        world: The worlds.
+        angle: Of the joints, from their reference angle [rad].
+        turn: By how much they turn until limits are chosen again [rad].
+
+    Returns:
+        +1 for the lower limit, −1 for the upper one; and the angle left to it [rad].
+    """
     joints = world.joints
     least = jnp.minimum(joints.limit_min, joints.limit_max)
     most = jnp.maximum(joints.limit_min, joints.limit_max)
     from_least, from_most = angle - least, most - angle
-    side = jnp.where(from_least < from_most, 1.0, -1.0).astype(angle.dtype)
-    return side, jnp.minimum(from_least, from_most)
+    upper = (from_most < turn) | ((from_most <= from_least) & (from_least >= -turn))
+    side = jnp.where(upper, -1.0, 1.0).astype(angle.dtype)
+    return side, jnp.where(upper, from_most, from_least)

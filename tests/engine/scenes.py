@@ -181,16 +181,27 @@ def falling_arm(reach):
         position=(0.4 * math.cos(reach), 4.0 + 0.4 * math.sin(reach)),
         angle=reach,
     )
-    joint = Joint(
+    return level(post((0.0, 4.0)), arm, joints=(within(reach, anchor=-0.4),))
+
+
+def thrown_arm(spin, reach):
+    """An arm pinned at its centre that turns from just below the middle of its limits."""
+    arm = Body(id=2, shape=box(0.8, 0.1), position=(0.0, 4.0), angle=-0.01, angular_velocity=spin)
+    joint = within(reach, anchor=0.0)
+    return level(post((0.0, 4.0)), arm, joints=(joint,), gravity=(0.0, 0.0))
+
+
+def within(reach, *, anchor):
+    """A hinge of an arm on a post that turns by no more than `reach` to either side."""
+    return Joint(
         id=10,
         kind="revolute",
         a=1,
         b=2,
         anchor_a=(0.0, 0.0),
-        anchor_b=(-0.4, 0.0),
+        anchor_b=(anchor, 0.0),
         limits=Limits(min=-reach, max=reach),
     )
-    return level(post((0.0, 4.0)), arm, joints=(joint,))
 
 
 @functools.cache

@@ -19,6 +19,9 @@ FIRST = 5
 """Slot of the first polygon after the floor."""
 DISC = 10
 """Slot of the only circle."""
+REACH = 0.2
+"""Angle that limits leave to a thrown arm to either side [rad]."""
+SPINS = (10, 30, 50, -50)
 
 LEVELS = {
     "stack": scenes.stack(5),
@@ -32,6 +35,7 @@ LEVELS = {
     "cantilever": scenes.cantilever(4),
     "motor": scenes.motor_wheel(3.0),
     "limit": scenes.falling_arm(math.radians(30)),
+    **{f"thrown {spin}": scenes.thrown_arm(spin, REACH) for spin in SPINS},
 }
 INDEX = {name: number for number, name in enumerate(LEVELS)}
 
@@ -47,6 +51,7 @@ KNOWN_WEAKNESS = {
     ("pgs_baumgarte", "pendulum"): "first order in time",
     ("pgs_baumgarte", "limit"): "a limit acts only while it is violated, and forgets its impulse",
     ("pgs_baumgarte", "rest"): "bodies rest a centimetre deep",
+    ("pgs_baumgarte", "thrown"): "a limit acts only while it is violated",
     ("pgs_soft", "heavy"): "a soft contact sinks by more than a centimetre under such a load",
     ("pgs_soft", "welds"): "eight sweeps do not reach along four welds",
     ("pgs_soft", "elastic"): "a bounce takes the speed of the start of the step",
@@ -167,6 +172,13 @@ def test_an_arm_rests_on_its_limit(run):
     _, of, _, _ = run
     rest = np.degrees(of("limit")("rotation")[-60:, FIRST]) + 30
     check(run, "limit", np.abs(rest).max() < 0.3)
+
+
+def test_a_thrown_arm_does_not_pass_the_limit_that_it_flies_to(run):
+    """Nor where the other limit was the nearer one when the step began."""
+    _, of, _, _ = run
+    angles = [of(f"thrown {spin}")("rotation")[:, FIRST] for spin in SPINS]
+    check(run, "thrown", max(np.abs(angle).max() for angle in angles) < REACH + 1e-3)
 
 
 def test_a_motor_reaches_its_speed(run):

@@ -14,7 +14,7 @@ from jaxtyping import Array, Bool, Float, Int
 from kinetix.engine import constants
 from kinetix.engine.collision import Found
 from kinetix.engine.in_use import InUse
-from kinetix.engine.joints import nearer_limit
+from kinetix.engine.joints import next_limit
 from kinetix.engine.lookup import onto, put, row
 from kinetix.engine.maths import Vec, nonzero
 from kinetix.engine.solvers.direct.blocks import AbstractBlock
@@ -294,7 +294,7 @@ def _burden(
 def _limit_directions(
     step: Step, state: State
 ) -> tuple[Links, Directions, Bool[Array, "j n"], Float[Array, "j n"]]:
-    """One row a joint with limits: the nearer of its two; its gap is the angle left [rad].
+    """One row a joint with limits: the next of its two; its gap is the angle left [rad].
 
     No row at all in a scene without limits.
     """
@@ -306,8 +306,11 @@ def _limit_directions(
         none = nothing.astype(bool)
         links = Links(body_a=nobody, body_b=nobody, in_use=InUse.of((none, 1)))
         return links, turning(nothing), none, nothing
-    angle_a, angle_b = held.links.look_up(state.rotation)
-    side, left = nearer_limit(world, angle_b - angle_a - joints.reference_angle)
+    (angle_a, spin_a), (angle_b, spin_b) = held.links.look_up(
+        (state.rotation, state.angular_velocity)
+    )
+    angle, turn = angle_b - angle_a - joints.reference_angle, (spin_b - spin_a) * step.parameters.dt
+    side, left = next_limit(world, angle, turn)
     count = side.shape[0]
     acts = held.acts & joints.limited & ~joints.fixed
     acts &= of_rows.inertia_a[:count] + of_rows.inertia_b[:count] > 0

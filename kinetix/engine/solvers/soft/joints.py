@@ -8,7 +8,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from kinetix.engine import actuators
-from kinetix.engine.joints import joint_acts, nearer_limit
+from kinetix.engine.joints import joint_acts, next_limit
 from kinetix.engine.lookup import take
 from kinetix.engine.maths import Vec, nonzero, rotate, vec
 from kinetix.engine.solvers.soft.levers import Lever
@@ -41,11 +41,11 @@ class SoftJoints:
     weld: Float[Array, "*k n"]
     """1 for a weld, 0 for a motor."""
     side: Float[Array, "*k n"]
-    """+1 when the lower limit is the nearer, −1 when the upper one is."""
+    """+1 when the lower limit is the next, −1 when the upper one is."""
     stops: Float[Array, "*k n"]
     """1/(resistance to turning) of the limit's row; 0 without one."""
     left: Float[Array, "*k n"]
-    """Angle left to the nearer limit [rad]."""
+    """Angle left to that limit [rad]."""
 
 
 @pytree
@@ -57,7 +57,7 @@ class JointImpulse:
     turn: Float[Array, "*k n"]
     """Of a weld or motor."""
     stop: Float[Array, "*k n"]
-    """Of the nearer limit, positive away from it."""
+    """Of the next limit, positive away from it."""
 
 
 def joint_rows(
@@ -84,20 +84,21 @@ def joint_rows(
     weld = turns & joints.fixed if features.welds else jnp.zeros(turns.shape, bool)
     wanted = compliance = side = left = jnp.zeros_like(angle)
     driven = limited = jnp.zeros(turns.shape, bool)
+    spin = take(moving.velocity.turn, b) - take(moving.velocity.turn, a)
     if features.motors:
         action = setting.control.motor
         wanted, compliance = actuators.motor_row(
             setting.world,
             actuators.motors(setting.world, action),
             angle,
-            take(moving.velocity.turn, b) - take(moving.velocity.turn, a),
+            spin,
             action,
             setting.parameters,
             setting.h,
         )
         driven = turns & (compliance > 0)
     if features.limits:
-        side, left = nearer_limit(setting.world, angle)
+        side, left = next_limit(setting.world, angle, spin * setting.h)
         limited = turns & joints.limited & ~joints.fixed
     return SoftJoints(
         lever=lever,
