@@ -183,7 +183,8 @@ SENTENCES = (
     "score 0.1\nlearnability 0.100\nwon 50% of 3 episodes\ncame in at update 3, 2 ago\n"
     "edited from #3, from #4, from #5\nClick: the newest agent plays it.",
     "score unknown\nno episode ended on its last visit",
-    "random: still plays",
+    "random: undecided after 12 steps",
+    "random goes on: step 33 / 256",
     "random: time is up",
     "flat mlp, actor 2 × 128",
     "entity transformer, 2 layers of 128, actor 5 × 128, with memory",
