@@ -111,6 +111,23 @@ def test_a_long_body_across_a_thin_wall_is_parted_from_it(gravity):
     assert parted(np.asarray(slab), corners + run.position[-1, 1]) > -1e-3
 
 
+def test_a_fast_body_slides_over_the_ends_of_tiles():
+    """The end of a tile is no far side that it could be pushed to."""
+    slope, length = 0.3, 0.905
+    along = np.array((math.cos(slope), -math.sin(slope)))
+    b = LevelBuilder("Tiles", arena=False)
+    for k in range(6):
+        x, y = along * (0.5 + k) * length - 0.1 * along[::-1] * (-1, 1)
+        b.rectangle(x, y, length, 0.2, angle=-slope, fixed=True, friction=0)
+    shape = [(-0.21312992, -0.004636425), (0.17328578, -0.124168806), (0.03984413, 0.12880524)]
+    corners = np.array(shape) + along * 0.26 + (0.0, 0.068)
+    body = b.polygon(corners, velocity=tuple(7.08 * along), friction=0)
+    run = simulate(b.build(), 0.5, physics="balanced")
+    went = run.position[-1, body - 1] - run.position[0, body - 1]
+    expected = 7.08 * 0.5 + 0.5 * 9.81 * math.sin(slope) * 0.5**2
+    assert went @ along == pytest.approx(expected, abs=0.01)
+
+
 def chosen(separation, meets, room, points=100):
     """Return the polygon pairs that get contacts."""
     count = len(separation)

@@ -123,7 +123,7 @@ def _held_one(
     share = jnp.maximum(enter - 0.5 * own_within / nonzero(length(motion)), 0)
     _, face = largest(heights)
     _, _, side = edge_ends(polygons.corners, polygons.normals, face)
-    beyond = _pushed_beyond(points, body, motion, side) & (height > 0) & stops
+    beyond = _pushed_beyond(points, body, motion, side) & crosses
     share = jnp.where(beyond, 0, jnp.where(crosses, share, 1))
     back = maths.where(beyond, side, Vec(x=jnp.zeros_like(height), y=jnp.zeros_like(height)))
     return WayLeft(
