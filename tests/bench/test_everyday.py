@@ -1,6 +1,7 @@
 import dataclasses
 import json
 import math
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -207,6 +208,18 @@ def test_the_command_prints_a_line_per_class(capsys, tmp_path):
     assert row.keys() >= {"class", "scenes", "bad", "worst", "metrics"}
     saved = list((tmp_path / "bad").glob("doors-*.json")) if row["bad"] else []
     assert len(saved) == row["bad"]
+
+
+def test_what_a_level_file_cannot_hold_is_told_and_keeps_no_other_away(tmp_path, monkeypatch):
+    scenes = [draw("valleys", number, 0) for number in (135, 136)]
+    recorded = [SimpleNamespace(scene=scene) for scene in scenes]
+    monkeypatch.setattr(measure, "draw_all", lambda *_: {"valleys": scenes})
+    monkeypatch.setattr(measure, "record", lambda *_: recorded)
+    monkeypatch.setattr(measure, "judge", lambda _: {"overlap": 1.0})
+    (row,) = measure.measure_everyday(measure.EverydaySettings(save=tmp_path))
+    assert [file.name for file in tmp_path.iterdir()] == ["valleys-1.json"]
+    assert "angular_velocity" in row["unsaved"][0]
+    assert row["unsaved"][0] in measure.text_of(row)
 
 
 def test_boxes_that_jam_in_a_ring_at_speed_gain_no_energy():

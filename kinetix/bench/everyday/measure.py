@@ -12,7 +12,7 @@ from kinetix.bench.everyday.ours import record
 from kinetix.bench.everyday.peers import record_peer
 from kinetix.bench.peers.catalogue import peer_named
 from kinetix.engine.presets import solver_named
-from kinetix.errors import KinetixError
+from kinetix.errors import KinetixError, LevelError
 from kinetix.level.codec import save_level
 from kinetix.scenes.everyday.catalogue import CLASSES, draw_all
 
@@ -51,9 +51,9 @@ def measure_everyday(settings: EverydaySettings) -> Iterator[dict[str, Any]]:
         else:
             recorded = record_peer(scenes, peer_named(engine))
         judged = [judge(each) for each in recorded]
-        if settings.save is not None:
-            _save(settings.save, name, recorded, judged)
-        yield row_of(name, engine, recorded, judged)
+        row = row_of(name, engine, recorded, judged)
+        unsaved = [] if settings.save is None else _save(settings.save, name, recorded, judged)
+        yield row | ({"unsaved": unsaved} if unsaved else {})
 
 
 def row_of(
@@ -66,7 +66,8 @@ def row_of(
 
     `bad` counts the scenes with any number beyond its limit; `worst` is the number farthest beyond;
     `metrics` has for each number how many scenes have it, how many are bad, the median, and the
-    worst with its scene.
+    worst with its scene. Where levels are saved, `measure_everyday` adds `unsaved`, a sentence for
+    each that a level file cannot hold.
     """
     values = [
         (number, metric, value)
@@ -135,14 +136,20 @@ def _save(
     name: str,
     recorded: Sequence[Recorded],
     judged: Sequence[Mapping[str, float | None]],
-) -> None:
+) -> list[str]:
+    """Write the levels of bad scenes; a sentence for each that a level file cannot hold."""
+    unsaved = []
     for number, (each, numbers) in enumerate(zip(recorded, judged, strict=True)):
         found = bad(numbers)
         if found:
             level = each.scene.trial.level
             text = ", ".join(f"{metric} {numbers[metric]}" for metric in found)
             folder.mkdir(parents=True, exist_ok=True)
-            save_level(level.replace(description=text), folder / f"{name}-{number}.json")
+            try:
+                save_level(level.replace(description=text), folder / f"{name}-{number}.json")
+            except LevelError as error:  # faster, or farther away, than a level may be
+                unsaved.append(str(error))
+    return unsaved
 
 
 def text_of(row: Mapping[str, Any]) -> str:
@@ -158,4 +165,5 @@ def text_of(row: Mapping[str, Any]) -> str:
         return head
     value = "broken" if worst["value"] is None else f"{worst['value']:.3g} {worst['unit']}"
     place = f"scene {worst['scene']}, {worst['size']}"
-    return f"{head}   {', '.join(parts)}; worst {worst['metric']} {value} ({place})"
+    unsaved = "".join(f"\n  not saved: {sentence}" for sentence in row.get("unsaved", ()))
+    return f"{head}   {', '.join(parts)}; worst {worst['metric']} {value} ({place}){unsaved}"
