@@ -12,7 +12,7 @@ import tyro
 
 from editor.actions import reopen
 from editor.actions.agents import load_agent
-from editor.base.settings import LARGEST_SIDE, SCALES, Settings, SettingsKeeper
+from editor.base.settings import LARGEST_SIDE, SCALES, USUAL_SIZE, Settings, SettingsKeeper
 from editor.documents.autosaves import Autosaves
 from editor.documents.old_names import OldNames
 from editor.gallery.kept_set import KeptSet
@@ -51,8 +51,8 @@ class Options:
     """Feed the events of this file, then quit."""
     record: Path | None = None
     """Write what is done in the window to this file, for `--replay`; with the usual settings."""
-    size: Annotated[str, tyro.conf.arg(metavar="WxH")] = "1440x900"
-    """Size of the window."""
+    size: Annotated[str | None, tyro.conf.arg(metavar="WxH")] = None
+    """Size of the window; by default 1440x900, or what the screen has room for."""
     scale: float | None = None
     """Scale of the interface, 0.75 to 3; by default as Preferences or the display say."""
     serve: bool = False
@@ -65,7 +65,9 @@ class Options:
     """Measure how fast the app is, print the table, then quit."""
 
 
-def _size(text: str) -> tuple[int, int]:
+def _size(text: str | None) -> tuple[int, int]:
+    if text is None:
+        return USUAL_SIZE
     width, _, height = text.lower().partition("x")
     if not (width.isdecimal() and height.isdecimal()):
         raise KinetixError(f"--size {text}: expected WIDTHxHEIGHT, such as 1440x900")
@@ -97,7 +99,7 @@ def _host(options: Options, session: Session) -> "PygameHost":
         return OffscreenHost(session, size=size, scale=options.scale or 1.0)
     from editor.hosts.pygame_host import PygameHost
 
-    return PygameHost(session, size=size, scale=options.scale)
+    return PygameHost(session, size=None if options.size is None else size, scale=options.scale)
 
 
 def _check(options: Options) -> None:

@@ -25,6 +25,8 @@ ANGLE_STEPS: Final = (5.0, 10.0, 15.0, 22.5, 30.0, 45.0)
 """Choices of what angles snap to [°]."""
 LARGEST_SCALE: Final = 4.0
 """Of the interface: a stored scale beyond it is passed over."""
+USUAL_SIZE: Final = (1440, 900)
+"""Width and height of a window of which nobody says more [px]."""
 LARGEST_SIDE: Final = 8192
 """Largest width and height of the window [px]; the largest screens have 7680."""
 SCALES: Final = (0.75, 3.0)

@@ -13,6 +13,7 @@ from imgui_bundle import imgui
 from PIL import Image
 
 from editor.base import events
+from editor.base.settings import USUAL_SIZE
 from editor.hosts.base import Host
 from editor.hosts.clipboard import Clipboard
 from editor.hosts.display import NO_DISPLAY, seen, start_display
@@ -47,6 +48,8 @@ _IDLE_FRAME = 2.0
 _COPY_FRAME = 0.5
 """The same while a change waits to be copied [s]."""
 _FRAME = 1 / 60
+_AROUND = (16, 80)
+"""What a window's frame and the screen's bars take of its width and height [px]."""
 _SETTLE_FRAMES = 4
 """Frames drawn after the last input, so that hover, layout and tooltips come to rest."""
 
@@ -74,6 +77,16 @@ def _icon() -> pygame.Surface:
     return icon
 
 
+def fitting(screen: tuple[int, int]) -> tuple[int, int]:
+    """Return the usual size of a window, or less, so that all of it is on the screen.
+
+    Args:
+        screen: Width and height of the screen, bars and frames included [px].
+    """
+    (width, height), (wide, high) = USUAL_SIZE, screen
+    return max(min(width, wide - _AROUND[0]), 320), max(min(height, high - _AROUND[1]), 240)
+
+
 class PygameHost(Host):
     """Opens a window, waits for input while idle, draws at the display's rate otherwise."""
 
@@ -84,7 +97,7 @@ class PygameHost(Host):
         self,
         session: Session,
         *,
-        size: tuple[int, int] = (1440, 900),
+        size: tuple[int, int] | None = None,
         scale: float | None = None,
         vsync: bool = True,
     ) -> None:
@@ -102,12 +115,13 @@ class PygameHost(Host):
         self._awake = _SETTLE_FRAMES
         self._speaker = Speaker()
 
-    def _open_window(self, size: tuple[int, int], vsync: bool) -> None:
+    def _open_window(self, size: tuple[int, int] | None, vsync: bool) -> None:
         try:
             start_display()
             if self.needs_display and not seen():
                 pygame.display.quit()
                 raise KinetixError(NO_DISPLAY)
+            size = size or fitting(pygame.display.get_desktop_sizes()[0])
             pygame.key.set_repeat(400, 40)
             for attribute, value in (
                 (pygame.GL_CONTEXT_MAJOR_VERSION, 3),

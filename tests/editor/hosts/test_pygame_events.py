@@ -16,9 +16,11 @@ from editor.base.events import (
     TextEvent,
     WheelEvent,
 )
+from editor.base.settings import USUAL_SIZE
 from editor.documents.commands.bodies import AddBody
 from editor.hosts.inputs import FAR, InputFeeder
 from editor.hosts.pygame_events import translate
+from editor.hosts.pygame_host import fitting
 from editor.session import Session
 from editor.toolkit.keys import IMGUI, label
 from kinetix.level.model import Body, Circle, Level
@@ -148,3 +150,13 @@ def test_two_fingers_that_move_apart_zoom_where_they_are(monkeypatch):
     assert closer.factor == pytest.approx(1 / apart.factor)
     assert translate(event(pygame.MULTIGESTURE, num_fingers=3, pinched=0.1, **values)) is None
     assert translate(event(pygame.MULTIGESTURE, num_fingers=2, pinched=0.0, **values)) is None
+
+
+@pytest.mark.parametrize("screen", [(1366, 768), (1280, 800), (1440, 900), (3840, 2160)])
+def test_a_window_of_no_told_size_is_all_on_the_screen(screen):
+    width, height = fitting(screen)
+    assert 320 <= width < screen[0]
+    assert 240 <= height < screen[1]
+    assert (width, height) <= USUAL_SIZE
+    if screen == (3840, 2160):
+        assert (width, height) == USUAL_SIZE
