@@ -52,7 +52,7 @@ class Options:
     record: Path | None = None
     """Write what is done in the window to this file, for `--replay`; with the usual settings."""
     size: Annotated[str | None, tyro.conf.arg(metavar="WxH")] = None
-    """Size of the window; by default 1440x900, or what the screen has room for."""
+    """Size of the window; by default the last one, at first 1440x900, as the screen has room."""
     scale: float | None = None
     """Scale of the interface, 0.75 to 3; by default as Preferences or the display say."""
     serve: bool = False
@@ -226,6 +226,7 @@ def _until_closed(session: Session, host: "PygameHost") -> None:
         session.save_aside()
         session.training.stop()
     host.ui.save_layout()
+    host.keep_size()
     reopen.note(session)
     session.keeper.save()
     session.kept_set.keep(session.gallery.tray)

@@ -53,6 +53,10 @@ class Settings:
     """Level files that were open when the app closed last; empty while it goes on."""
     front_file: str = ""
     """The one of them that was in front."""
+    window_width: Annotated[int, Meta(ge=0, le=LARGEST_SIDE)] = 0
+    """Of the window when the app closed last [px]; 0: the usual one."""
+    window_height: Annotated[int, Meta(ge=0, le=LARGEST_SIDE)] = 0
+    """Likewise."""
     save_folder: str = ""
     """Folder of the level that was saved last, unless it came with the app."""
     export_folder: str = ""

@@ -13,7 +13,7 @@ from imgui_bundle import imgui
 from PIL import Image
 
 from editor.base import events
-from editor.base.settings import USUAL_SIZE
+from editor.base.settings import USUAL_SIZE, Settings
 from editor.hosts.base import Host
 from editor.hosts.clipboard import Clipboard
 from editor.hosts.display import NO_DISPLAY, seen, start_display
@@ -77,14 +77,20 @@ def _icon() -> pygame.Surface:
     return icon
 
 
-def fitting(screen: tuple[int, int]) -> tuple[int, int]:
-    """Return the usual size of a window, or less, so that all of it is on the screen.
+def fitting(size: tuple[int, int], screen: tuple[int, int]) -> tuple[int, int]:
+    """Return the size of a window, or less, so that all of it is on the screen.
 
     Args:
-        screen: Width and height of the screen, bars and frames included [px].
+        size: Width and height that it would have [px].
+        screen: Those of the screen, bars and frames included [px].
     """
-    (width, height), (wide, high) = USUAL_SIZE, screen
+    (width, height), (wide, high) = size, screen
     return max(min(width, wide - _AROUND[0]), 320), max(min(height, high - _AROUND[1]), 240)
+
+
+def _last_size(settings: Settings) -> tuple[int, int]:
+    last = (settings.window_width, settings.window_height)
+    return last if all(last) else USUAL_SIZE
 
 
 class PygameHost(Host):
@@ -101,7 +107,7 @@ class PygameHost(Host):
         scale: float | None = None,
         vsync: bool = True,
     ) -> None:
-        self._open_window(size, vsync)
+        self._open_window(size or _last_size(session.settings), vsync, told=size is not None)
         if scale is None:
             scale = automatic_scale(pygame.display.get_desktop_sizes()[0][1])
         super().__init__(session, size=pygame.display.get_window_size(), scale=scale)
@@ -115,13 +121,20 @@ class PygameHost(Host):
         self._awake = _SETTLE_FRAMES
         self._speaker = Speaker()
 
-    def _open_window(self, size: tuple[int, int] | None, vsync: bool) -> None:
+    def keep_size(self) -> None:
+        """Let the next window be as large as this one is, unless it fills the screen."""
+        if self.needs_display and not self._fullscreen:
+            settings = self.session.settings
+            settings.window_width, settings.window_height = self.size
+
+    def _open_window(self, size: tuple[int, int], vsync: bool, *, told: bool) -> None:
         try:
             start_display()
             if self.needs_display and not seen():
                 pygame.display.quit()
                 raise KinetixError(NO_DISPLAY)
-            size = size or fitting(pygame.display.get_desktop_sizes()[0])
+            if not told:
+                size = fitting(size, pygame.display.get_desktop_sizes()[0])
             pygame.key.set_repeat(400, 40)
             for attribute, value in (
                 (pygame.GL_CONTEXT_MAJOR_VERSION, 3),

@@ -152,11 +152,10 @@ def test_two_fingers_that_move_apart_zoom_where_they_are(monkeypatch):
     assert translate(event(pygame.MULTIGESTURE, num_fingers=2, pinched=0.0, **values)) is None
 
 
+@pytest.mark.parametrize("size", [USUAL_SIZE, (2500, 300), (900, 1400)])
 @pytest.mark.parametrize("screen", [(1366, 768), (1280, 800), (1440, 900), (3840, 2160)])
-def test_a_window_of_no_told_size_is_all_on_the_screen(screen):
-    width, height = fitting(screen)
-    assert 320 <= width < screen[0]
-    assert 240 <= height < screen[1]
-    assert (width, height) <= USUAL_SIZE
-    if screen == (3840, 2160):
-        assert (width, height) == USUAL_SIZE
+def test_a_window_of_no_told_size_is_all_on_the_screen(size, screen):
+    window = fitting(size, screen)
+    assert all(side < most for side, most in zip(window, screen, strict=True))
+    assert all(side <= most for side, most in zip(window, size, strict=True))
+    assert fitting(size, (8000, 8000)) == size
