@@ -240,7 +240,7 @@ def _open_files(options: Options, session: Session) -> None:
     # A replay is asked nothing, and so whoever records one is not either.
     asks = options.replay is None and options.record is None
     if not options.files:
-        if asks and not session.settings.layout:  # it is kept at every end: this start is the first
+        if asks:
             guide.offer(session)
         welcome = _welcome() if options.replay is None else None
         if not (asks and reopen.reopen(session)) and welcome is not None:

@@ -1,4 +1,4 @@
-"""What the Help menu tells of the app itself: its version, its folders, its documents."""
+"""The Help menu's rows about the app itself: version, folders, documentation."""
 
 import functools
 import importlib.metadata

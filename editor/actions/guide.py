@@ -149,7 +149,10 @@ def follow(session: Session) -> None:
 
 def offer(session: Session) -> None:
     """Ask whoever starts the app for the first time; a guide that is done is put away."""
-    if session.settings.guide_step >= len(STEPS):
+    settings = session.settings
+    if settings.guide_step >= len(STEPS):
         close(session)
-    if not session.settings.recents and session.settings.guide_step == CLOSED:
-        session.settings.guide_step = OFFERED
+    # The layout is kept at every end, so that without one this start is the first.
+    first = not settings.layout and not settings.recents
+    if first and settings.guide_step == CLOSED:
+        settings.guide_step = OFFERED

@@ -14,8 +14,9 @@ def note(session: Session) -> None:
     paths = [tab.document.path for tab in session.tabs]
     names = [str(path.resolve()) for path in paths if path is not None and is_text(path)]
     front = session.tab.document.path
+    front_file = "" if front is None else str(front.resolve())
     session.settings.open_files = names
-    session.settings.front_file = "" if front is None else str(front.resolve())
+    session.settings.front_file = front_file if front_file in names else ""
 
 
 def reopen(session: Session) -> bool:

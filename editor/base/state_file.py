@@ -16,7 +16,7 @@ from kinetix.paths import state_dir
 
 
 class Kept:
-    """What is kept in one file of the user's state folder, or, in scripted runs, in none."""
+    """A file of the user's state folder and its owner; scripted runs have no such file."""
 
     FILE: ClassVar[str]
     """Name of the file."""

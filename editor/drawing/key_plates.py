@@ -23,10 +23,10 @@ _CAP_PX: Final = 17.0
 _CAP_LEAST_PX: Final = 9.0
 """Smaller ones could not be read and are not drawn [px]."""
 _FURTHER: Final = (3, 5, 7)
-"""Where all corners are taken: above and below, so many times the usual distance away."""
+"""Distances above and below to try once all corners are taken [usual distance]."""
 
 Covered: TypeAlias = Callable[[Point, Point], bool]
-"""Whether a shape lies in a rectangle, given its corners [px]."""
+"""Takes two opposite corners of a rectangle [px]; returns whether a shape overlaps it."""
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -152,7 +152,7 @@ def _plates(
             for spot, (x, y) in zip(spots, sparing, strict=True)
             if not covered((x, y), (x + width * share, y + usual))
         ]
-        near = spots[: 4 + 2]
+        near = spots[:6]  # the corners, and the nearest places above and below
         low = next(
             (low for low in (*clear, *near) if room.take(low, (low[0] + width, low[1] + height))),
             spots[0] if must else None,

@@ -49,7 +49,7 @@ _COPY_FRAME = 0.5
 """The same while a change waits to be copied [s]."""
 _FRAME = 1 / 60
 _AROUND = (16, 80)
-"""What a window's frame and the screen's bars take of its width and height [px]."""
+"""Width and height that window frame and task bar need on the screen [px]."""
 _SETTLE_FRAMES = 4
 """Frames drawn after the last input, so that hover, layout and tooltips come to rest."""
 

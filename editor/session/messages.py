@@ -16,7 +16,7 @@ TOAST_SECONDS: Final = 5.0
 UNDO_TOAST_SECONDS: Final = 8.0
 ERROR_TOAST_SECONDS: Final = 15.0
 _READ_AT_ONCE: Final = 60
-"""What is longer stays longer [characters]."""
+"""Length up to which a message stays for the usual time [characters]."""
 _READING: Final = 20.0
 """So fast a long message is read [characters a second]."""
 _HELD: Final = 2.0

@@ -30,7 +30,7 @@ from kinetix.pytree import pytree
 
 @pytree
 class WayLeft:
-    """How far each body may go in a step. Bodies that are jointed together stop together."""
+    """How far each body may move in a step; jointed bodies stop together."""
 
     share: Float[Array, "b n"]
     """Of the way; 1 where nothing is in it."""

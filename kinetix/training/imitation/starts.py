@@ -30,7 +30,7 @@ class Starts:
     moments: EnvState
     """On one axis."""
     odds: Float[np.ndarray, " n"]
-    """How likely each is; together those of a level are as likely as the level."""
+    """Probability of each moment; those of a level add up to its share of the weights."""
     without: tuple[str, ...]
     """Levels without moments: their win was lost when it was played again."""
 

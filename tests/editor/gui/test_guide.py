@@ -123,7 +123,7 @@ def test_it_goes_on_at_the_next_start(gui, step, tmp_path):
 
 def test_the_first_start_offers_it_and_no_later_one(gui, step):
     session = gui.session
-    session.settings.recents = []
+    session.settings.recents, session.settings.layout = [], ""
     guide.offer(session)
     gui.frames(3)
     assert step() == guide.OFFERED and gui.shows("guide.next")
@@ -209,3 +209,11 @@ def test_the_offer_waits_while_a_level_is_played(make_gui):
     gui.key("escape")
     gui.frames(4)
     assert gui.shows("guide.next")
+
+
+def test_a_later_start_puts_a_guide_that_is_done_away_and_offers_none(gui):
+    settings = gui.session.settings
+    settings.layout, settings.recents, settings.guide_step = "as it is", [], len(guide.STEPS)
+    for _ in range(2):
+        guide.offer(gui.session)
+        assert settings.guide_step == guide.CLOSED
