@@ -2,9 +2,9 @@
 
 import math
 import random
-import time
 
 from editor.editing.flush import flush
+from tests.pace import share_of
 
 
 def spread(draw, count, width):
@@ -34,6 +34,6 @@ def test_what_is_far_away_costs_nothing():
     draw = random.Random(4)
     points = spread(draw, 4000, 40.0)
     segments = tuple(((x, y), (x + 0.1, y + 0.05)) for x, y in spread(draw, 4000, 40.0))
-    began = time.process_time()
     assert flush(points, segments, 0.08) is not None
-    assert time.process_time() - began < 2.0  # one by one it takes more
+    took = share_of(2.0, lambda: flush(points, segments, 0.08), tries=3)
+    assert took <= 1  # one by one it takes more

@@ -2,9 +2,6 @@
 
 import math
 import random
-import time
-
-import pytest
 
 from editor.editing.picking import (
     JOINT_RADIUS,
@@ -17,7 +14,7 @@ from editor.editing.picking import (
 from kinetix.level.geometry import area_centroid, signed_distance, to_world
 from kinetix.level.model import Body, Circle, Joint, Level, Polygon, Thruster
 from tests.editor.core.helpers import a_level
-from tests.pace import slowness
+from tests.pace import share_of
 
 
 def random_level(draw, count):
@@ -127,15 +124,13 @@ def test_handles_have_no_place_without_bodies():
     assert len(handles(a_level(), (6,), 0.01)) == 1
 
 
-@pytest.mark.parametrize("attempts", [5])
-def test_picking_among_fifty_is_fast(attempts):
+def test_picking_among_fifty_is_fast():
     level = random_level(random.Random(1), 30)
     assert sum(1 for _ in level.entities()) >= 45
-    best = math.inf
-    for _ in range(attempts):
-        start = time.process_time()
+
+    def pick():
         for k in range(100):
             stack(level, (0.05 * k, 2.5), 0.08)
-        best = min(best, (time.process_time() - start) / 100)
+
     # The target is 0.3 ms together with snapping; shared machines get twice that.
-    assert best < 0.6e-3 * slowness()
+    assert share_of(100 * 0.6e-3, pick) <= 1
