@@ -214,7 +214,7 @@ def _until_closed(session: Session, host: "PygameHost") -> None:
         if told:
             raise Terminated
         told.append(number)
-        session.quitting = True
+        session.closing.done = True
 
     with signals_to(close, *ending_signals()):
         try:

@@ -357,7 +357,7 @@ def free_name(session: Session, suffix: str) -> Path:
     if folder == user_levels_dir():
         with contextlib.suppress(OSError):  # the write says so
             folder.mkdir(parents=True, exist_ok=True)
-    awaited = {*writing(session).values(), *(film.path for film in session.unwritten)}
+    awaited = {*writing(session).values(), *(film.path for film in session.films.unwritten)}
     while os.path.exists(path := folder / f"{stem}-{number:03}{suffix}") or path in awaited:
         number += 1
     return path

@@ -24,7 +24,7 @@ def write(session: Session, request: ExportFilm, told: Callable[[Job], None]) ->
 
     def done(job: Job) -> None:
         if job.state is JobState.FAILED:
-            session.unwritten.append(request)
+            session.films.unwritten.append(request)
             _ask(session, request, job.error, told)
         else:
             told(job)
@@ -61,7 +61,7 @@ def _ask(session: Session, request: ExportFilm, reason: str, told: Callable[[Job
 
 
 def _settled(session: Session, request: ExportFilm) -> None:
-    session.unwritten = [film for film in session.unwritten if film is not request]
+    session.films.unwritten = [film for film in session.films.unwritten if film is not request]
 
 
 def _ask_path(

@@ -20,7 +20,7 @@ MOST_NAMES: Final = 12
 def quit_app(session: Session) -> None:
     """End the app, after asking once about everything that has unsaved changes."""
     session.driver.cancel()
-    if session.leaving in session.prompts:
+    if session.closing.question in session.prompts:
         return
     with _leaving(session):
         _settle(session)
@@ -32,7 +32,7 @@ def _leaving(session: Session) -> Iterator[None]:
     before = len(session.prompts)
     yield
     if len(session.prompts) > before:
-        session.leaving = session.prompts[-1]
+        session.closing.question = session.prompts[-1]
 
 
 def _settle(session: Session) -> None:
@@ -77,9 +77,9 @@ def update_leaving(session: Session) -> None:
 
     What was changed during the wait is asked about.
     """
-    if session.closing is None or _going_on(session):
+    if session.closing.waits_with is None or _going_on(session):
         return
-    unchanged, session.closing = session.closing == _levels(session), None
+    unchanged, session.closing.waits_with = session.closing.waits_with == _levels(session), None
     if unchanged:
         _leave(session)
     else:
@@ -113,7 +113,7 @@ def _quit(session: Session) -> None:
 
 
 def _finish(session: Session) -> None:
-    if session.recording is not None and session.recording.films():
+    if session.films.recording is not None and session.films.recording.films():
         try:
             recording.end(session)
         except LevelError as error:
@@ -133,7 +133,7 @@ def _finish(session: Session) -> None:
 
     def answer(choice: str) -> None:
         if choice == "wait":
-            session.closing = _levels(session)
+            session.closing.waits_with = _levels(session)
             session.toast("Closing when that is done.")
         elif choice == "quit":
             _leave(session)
@@ -160,7 +160,7 @@ def _going_on(session: Session) -> list[str]:
     names = ["the evaluation"] if evaluation.running else []
     exporting = session.gallery.exporting
     names += [] if exporting is None else [exporting.name]
-    names += [film.path.name for film in session.unwritten]
+    names += [film.path.name for film in session.films.unwritten]
     for job in session.worker.jobs:
         path = export.file_of(job)
         if path is not None:
@@ -188,4 +188,4 @@ def _leave(session: Session) -> None:
     with session.guard():
         session.kept_set.keep(session.gallery.tray, again=True)
     session.training.stop()  # It saves; the command line can go on with it.
-    session.quitting = True
+    session.closing.done = True

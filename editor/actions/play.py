@@ -50,16 +50,16 @@ def pause(session: Session) -> None:
 def note_end(session: Session) -> None:
     """Note the end of an episode: a win by hand is offered, and the first end is a result."""
     playback = session.playback
-    if playback.mode is not Mode.ENDED or playback.snapshot is session.noted_end:
+    if playback.mode is not Mode.ENDED or playback.snapshot is session.last_end.snapshot:
         return
-    session.noted_end = playback.snapshot
+    session.last_end.snapshot = playback.snapshot
     win = Win.of(playback)
     if win is not None:
-        session.win = win
+        session.last_end.win = win
         if win.level.solution is None:
             _offer_to_keep(session)
-    if playback.episode != session.noted_episode:
-        session.noted_episode = playback.episode
+    if playback.episode != session.last_end.episode:
+        session.last_end.episode = playback.episode
         _keep_result(session)
 
 

@@ -12,8 +12,8 @@ from kinetix.files.atomic import check_target
 
 def start_or_end(session: Session) -> None:
     """Start filming what is played; again: write the film."""
-    if session.recording is None:
-        session.recording = Recording.of(session.playback)
+    if session.films.recording is None:
+        session.films.recording = Recording.of(session.playback)
         session.toast("Recording: play, then press Ctrl+Shift+R again.")
         return
     try:
@@ -35,11 +35,11 @@ def end(session: Session) -> None:
         CommandError: Nothing was played; the recording has ended.
         LevelError: Nothing can be written there; the recording goes on.
     """
-    recording = session.recording
+    recording = session.films.recording
     films = [] if recording is None else recording.films()
     if films:
         check_target(export.free_name(session, ".gif"))
-    session.recording = None
+    session.films.recording = None
     if not films:
         raise CommandError("Nothing was played while recording.")
     for level, trace in films:
@@ -68,7 +68,7 @@ def ask_to_drop(
 
     def answer(choice: str) -> None:
         if choice == drop.id:
-            session.recording = None
+            session.films.recording = None
             then()
 
     session.ask(
@@ -85,5 +85,5 @@ def ask_to_drop(
 
 def follow(session: Session) -> None:
     """Let a frame pass: what is on show comes into the film."""
-    if session.recording is not None:
-        session.recording.follow(session.playback)
+    if session.films.recording is not None:
+        session.films.recording.follow(session.playback)

@@ -29,7 +29,7 @@ def _win(session: Session) -> Win | None:
     """Return the win on show, or else the last one, if the level in front still plays like it."""
     playback = session.playback
     on_show = playback.mode is Mode.ENDED and playback.outcome == "won"
-    win = Win.of(playback) if on_show else session.win
+    win = Win.of(playback) if on_show else session.last_end.win
     return win if win and same_simulation(win.level, session.document.level) else None
 
 
@@ -41,7 +41,7 @@ def keep(session: Session) -> None:
     """
     win = _win(session)
     assert win is not None
-    session.win = None
+    session.last_end.win = None
     session.messages.withdraw("level.keep_solution")
     session.leave_play()
     if not win.tailored:
@@ -65,7 +65,7 @@ def _judged(session: Session, document: Document, level: Level, win: Win, job: J
     if job.state is JobState.FAILED:
         session.toast(f"The solution was not kept: {job.error}", "error")
     elif not awaited or session.document is not document or document.level != level:
-        session.win = session.win or win
+        session.last_end.win = session.last_end.win or win
     elif job.result.trace.snapshots[-1].outcome == "won":
         session.leave_play()
         _record(session, job.result.level.solution)

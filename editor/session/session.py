@@ -33,13 +33,14 @@ from editor.gallery.kept_set import KeptSet
 from editor.gallery.library import Library
 from editor.gallery.results import Results
 from editor.gallery.view import GalleryView
+from editor.play.last_end import LastEnd
 from editor.play.mode import Mode
 from editor.play.motion import Motion
 from editor.play.playback import Playback
-from editor.play.recording import Recording
 from editor.play.simulator import Simulator
-from editor.play.win import Win
 from editor.session.clipboard import Clipboard, MemoryClipboard
+from editor.session.closing import Closing
+from editor.session.films import Films
 from editor.session.hands import Hands
 from editor.session.messages import Kind, Messages, Toast
 from editor.session.sound import Sound
@@ -47,8 +48,6 @@ from editor.session.tabs import Tab, Tabs
 from editor.session.view import View
 from editor.worker.fetches import Fetches
 from editor.worker.jobs import Job, Worker, WorkerSimulator
-from editor.worker.recording import Snapshot
-from editor.worker.requests import ExportFilm
 from kinetix.errors import CommandError
 from kinetix.level.model import Level
 
@@ -104,8 +103,9 @@ class Session:
         """Writes the set that is put together in the gallery."""
         self.gallery = GalleryView(tray=self.kept_set.read())
         self.library = library or Library()
-        self.fetches = Fetches()
         """The levels that the gallery shows."""
+        self.fetches = Fetches()
+        """Levels that are being fetched from addresses."""
         self.results = results or Results()
         """Results of players on levels."""
         self.autosaves = autosaves or Autosaves(clock=lambda: self.time)
@@ -129,24 +129,14 @@ class Session:
         """Frames a second, as the host measures."""
         self.time = 0.0
         """The session's clock [s]."""
-        self.quitting = False
-        """Set when the app may end."""
-        self.closing: tuple[Level, ...] | None = None
-        """The open levels when somebody chose to wait for files and then close, or None."""
-        self.leaving: Prompt | None = None
-        """The last question that closing the app asked."""
-        self.noted_episode = -1
-        """The last episode whose end was kept in the results."""
-        self.noted_end: Snapshot | None = None
-        """The last end that was noted: an episode has another one after a moment before it."""
-        self.win: Win | None = None
-        """The last win by hand, until it is kept as a solution."""
-        self.recording: Recording | None = None
-        """The film that is being recorded, or None."""
+        self.closing = Closing()
+        """How far closing the app has come."""
+        self.last_end = LastEnd()
+        """How the last episode by hand ended."""
+        self.films = Films()
+        """Films that are not in their files yet."""
         self.discarded: tuple[Trashed, ...] = ()
         """Copies of unsaved work that were discarded last, in the trash."""
-        self.unwritten: list[ExportFilm] = []
-        """Films that could not be written, until they are saved elsewhere or dropped."""
         self.screenshot: Path | None = None
         """File for the host to save a picture of the window in; it clears this when done."""
         self.probe: dict[str, Any] = {}
@@ -257,6 +247,11 @@ class Session:
         if self._targets is None or self._targets[0] is not level or self._targets[1] != without:
             self._targets = (level, without, targets(level, without))
         return self._targets[2]
+
+    @property
+    def quitting(self) -> bool:
+        """True if the app may end."""
+        return self.closing.done
 
     @property
     def hint(self) -> str:

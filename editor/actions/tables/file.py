@@ -111,7 +111,7 @@ FILE: Final = (
         context=Context.LEVEL,
         keys=("ctrl+shift+r",),
         tooltip="Start and stop recording what is played as a GIF.",
-        checked=lambda session: session.recording is not None,
+        checked=lambda session: session.films.recording is not None,
         run=recording.start_or_end,
     ),
     Action(

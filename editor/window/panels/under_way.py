@@ -31,7 +31,7 @@ class Part(NamedTuple):
 def under_way(session: "Session") -> list[Part]:
     """Return what is being done, what the user asked for first."""
     parts = []
-    if session.recording is not None:
+    if session.films.recording is not None:
         words = f"{Icons.film} {tr('Recording')}"
         parts.append(Part(words, COLOURS.bad, "file.record", "Click to end the film."))
     for job in list(writing(session))[:1]:

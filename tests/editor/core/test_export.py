@@ -297,10 +297,10 @@ def unwritable(session, films, monkeypatch):
 @pytest.mark.parametrize("choice", ["drop", "go_on"])
 def test_a_recording_that_cannot_be_written_goes_on_or_is_dropped(unwritable, films, choice):
     actions.run(unwritable, "file.record")
-    assert unwritable.recording is not None and not films()
+    assert unwritable.films.recording is not None and not films()
     assert "Permission denied" in unwritable.prompts[-1].message
     unwritable.answer(unwritable.prompts[-1], choice)
-    assert (unwritable.recording is None) == (choice == "drop")
+    assert (unwritable.films.recording is None) == (choice == "drop")
 
 
 @pytest.mark.parametrize("choice", ["quit", "cancel"])
@@ -312,14 +312,14 @@ def test_the_app_can_be_closed_without_a_film_that_cannot_be_written(unwritable,
     unwritable.answer(question, choice)
     assert not unwritable.prompts and not films()
     assert unwritable.quitting == (choice == "quit")
-    assert (unwritable.recording is None) == (choice == "quit")
+    assert (unwritable.films.recording is None) == (choice == "quit")
 
 
 def test_a_recording_of_nothing_ends_also_where_nothing_can_be_written(unwritable):
-    unwritable.recording.parts.clear()
+    unwritable.films.recording.parts.clear()
     actions.run(unwritable, "run.stop")
     actions.run(unwritable, "file.record")
-    assert unwritable.recording is None and not unwritable.prompts
+    assert unwritable.films.recording is None and not unwritable.prompts
     assert "Nothing was played" in texts(unwritable)[-1]
 
 
@@ -363,10 +363,10 @@ def failed(session, films):
 def test_a_film_that_was_not_written_can_be_tried_again_and_saved_elsewhere(
     failed, films, tmp_path
 ):
-    (film,) = failed.unwritten
+    (film,) = failed.films.unwritten
     assert "No space left" in failed.prompts[-1].message and not films()
     failed.answer(failed.prompts[-1], "again")
-    assert films() == [film] and not failed.unwritten
+    assert films() == [film] and not failed.films.unwritten
     failed.worker.fail("No space left on device")
     failed.answer(failed.prompts[-1], "elsewhere")
     failed.answer(failed.prompts[-1], None)  # no file was chosen: the film is still there
@@ -374,7 +374,7 @@ def test_a_film_that_was_not_written_can_be_tried_again_and_saved_elsewhere(
     failed.answer(failed.prompts[-1], tmp_path / "other" / "mine.mp4")
     elsewhere = tmp_path / "other" / "mine.mp4"
     assert films() == [dataclasses.replace(film, path=elsewhere, numbered=False)]
-    assert not failed.unwritten and not failed.prompts
+    assert not failed.films.unwritten and not failed.prompts
 
 
 def test_closing_asks_about_a_film_that_was_not_written(failed, films):
@@ -384,6 +384,6 @@ def test_closing_asks_about_a_film_that_was_not_written(failed, films):
     play(failed, 0.1)
     assert not failed.quitting
     failed.answer(failed.prompts[-1], "drop")
-    assert not failed.unwritten and not films()
+    assert not failed.films.unwritten and not films()
     play(failed, 0.1)
     assert failed.quitting

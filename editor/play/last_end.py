@@ -1,0 +1,18 @@
+"""How the last episode by hand ended."""
+
+from dataclasses import dataclass
+
+from editor.play.win import Win
+from editor.worker.recording import Snapshot
+
+
+@dataclass
+class LastEnd:
+    """The last end that was noticed, so that none is counted twice."""
+
+    episode: int = -1
+    """The last episode whose end was kept in the results."""
+    snapshot: Snapshot | None = None
+    """Its last moment: an episode has another end after it went on from an earlier moment."""
+    win: Win | None = None
+    """The last win by hand, until it is kept as a solution."""
