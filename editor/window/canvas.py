@@ -141,6 +141,7 @@ class Canvas:
             self._teach(draw, session.camera)
         self._minimap.paint(session, draw, where, high)
         self._frame(session, draw)
+        paint_waiting(session, draw, self.area)
         paint_legend(session, draw, (x + px(12), y + height - px(12)))
         draw.pop_clip_rect()
 
@@ -338,7 +339,6 @@ class Canvas:
         self._celebrate(session, draw)
         if session.mode is Mode.PAUSED and playback.failure:
             paint_reason(draw, self.area, "Paused", playback.failure)
-        paint_waiting(session, draw, self.area)
 
 
 _ROOM_FOR_BADGE: Final = 440.0

@@ -11,6 +11,9 @@ from editor.drawing import debug_draw
 from editor.drawing.strokes import Room
 from editor.editing.picking import bodies_at
 from editor.toolkit.widgets import px
+from editor.window import canvas
+from editor.worker.jobs import Job
+from editor.worker.requests import PlaySolution
 from kinetix.level.geometry import FLOOR_TOP
 from kinetix.level.model import Body, Circle, Joint, Level, Motor, Polygon, Thruster
 from tests.editor.core.helpers import a_level, a_session
@@ -247,3 +250,26 @@ def test_the_words_of_an_empty_level_stay_on_its_paper(make_gui, monkeypatch, si
     assert len(drawn) >= lines
     for low, high in drawn:
         assert left <= low[0] and high[0] <= right and top <= low[1] and high[1] <= floor
+
+
+def test_a_wait_has_a_card_while_the_level_is_edited(make_gui, monkeypatch):
+    drawn = []
+    paint = canvas.paint_waiting
+
+    def noted(session, draw, area):
+        before = draw.vtx_buffer.size()
+        paint(session, draw, area)
+        drawn.append(draw.vtx_buffer.size() - before)
+
+    monkeypatch.setattr(canvas, "paint_waiting", noted)
+    gui = make_gui(session=a_session())
+    gui.frames(2)
+    assert not any(drawn)
+    job = Job(PlaySolution(level=gui.level), "Playing the solution")
+    job.since -= 1.0
+    gui.session.expected = job
+    gui.frames(2)
+    assert all(drawn[-2:])
+    gui.key("escape")
+    assert gui.session.expected is None and job.cancelled
+    assert not drawn[-1]
