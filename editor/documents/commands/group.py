@@ -10,6 +10,7 @@ from editor.documents.commands.rigid import (
     reanchored,
     reanchored_each,
     reshaped,
+    unwound,
     with_bodies,
     with_parts,
 )
@@ -117,7 +118,7 @@ class Rotate:
         return count_label("Rotate", len(self.ids), "shape")
 
     def apply(self, level: Level) -> Level:
-        """Turn the bodies; joints to bodies that stay follow.
+        """Turn the bodies; joints to bodies that stay follow, and whole turns are left out.
 
         Raises:
             CommandError: No body is selected.
@@ -133,7 +134,8 @@ class Rotate:
                 position=(pivot[0] + x, pivot[1] + y), angle=body.angle + self.angle
             )
 
-        return reanchored(with_bodies(level, self.ids, turned), self.ids)
+        after = unwound(level, with_bodies(level, self.ids, turned), self.ids)
+        return reanchored(after, self.ids)
 
 
 def centroid(bodies: list[Body]) -> Point:

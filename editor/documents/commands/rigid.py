@@ -33,11 +33,49 @@ def component(level: Level, ids: Collection[EntityId]) -> set[int]:
     return reached
 
 
+def joined(level: Level, ids: Collection[EntityId]) -> list[set[int]]:
+    """The given bodies in pieces: those that hang on one another by joints are one."""
+    inner = tuple(joint for joint in level.joints if joint.a in ids and joint.b in ids)
+    level, pieces = level.replace(joints=inner), []
+    for body in level.bodies:
+        if body.id in ids and not any(body.id in piece for piece in pieces):
+            pieces.append(component(level, (body.id,)))
+    return pieces
+
+
 def with_bodies(level: Level, ids: Collection[EntityId], change: Callable[[Body], Body]) -> Level:
     """The level with some of its bodies changed."""
     return level.replace(
         bodies=tuple(change(body) if body.id in ids else body for body in level.bodies)
     )
+
+
+def unwound(before: Level, after: Level, ids: Collection[EntityId]) -> Level:
+    """The level after bodies were turned, without the whole turns that they have come round.
+
+    The eye does not see them, but a hinge with limits counts them. What is joined together loses
+    them together.
+    """
+    turns: dict[int, int] = {}
+    for piece in joined(before, ids):
+        turns |= dict.fromkeys(piece, _whole_turns(before, after, piece))
+    return with_bodies(after, ids, lambda b: b.replace(angle=b.angle - math.tau * turns[b.id]))
+
+
+def _whole_turns(before: Level, after: Level, piece: Collection[EntityId]) -> int:
+    """Turns that take a piece from the middle of its limits, or else out of the turn it was in."""
+    for joint in after.joints:
+        limits = joint.limits if joint.kind == "revolute" else None
+        if limits is None or not limits.on or (joint.a in piece) == (joint.b in piece):
+            continue
+        middle = joint.reference_angle + (limits.min + limits.max) / 2
+        try:
+            turns = round((relative_angle(after, joint) - middle) / math.tau)
+        except KeyError:
+            continue
+        return turns if joint.b in piece else -turns
+    old = next(body for body in before.bodies if body.id in piece)
+    return round(after.body(old.id).angle / math.tau) - round(old.angle / math.tau)
 
 
 def with_parts(level: Level, ids: Collection[EntityId], change: Callable[[Point], Point]) -> Level:

@@ -270,6 +270,32 @@ def test_limits_that_are_switched_off_and_on_again_are_where_they_were():
     assert after == level
 
 
+@pytest.mark.parametrize("drawn", [0.4363, 5.0, -3.0], ids=str)
+@pytest.mark.parametrize("ids", [(1,), (1, 2)], ids=str)
+@pytest.mark.parametrize("limits", [None, Limits(min=-1.0, max=4.0)], ids=["free", "limited"])
+def test_whole_turns_leave_shapes_at_the_angle_that_they_were_drawn_at(drawn, ids, limits):
+    """A box with a wheel, hinged to the arena: the hinge counts whole turns, the eye does not."""
+    level = a_level()
+    hinge = Joint(
+        id=9, kind="revolute", a="floor", b=1, anchor_a=(0, 0), anchor_b=(0, 0), limits=limits
+    )
+    box, wheel = level.body(1).replace(angle=drawn), level.body(2).replace(angle=drawn + 2.0)
+    hinge = hinge.replace(reference_angle=drawn - 1.0)
+    start = level.replace(bodies=(box, wheel, *level.bodies[2:]), joints=(*level.joints, hinge))
+    level = start
+    for _ in range(8):
+        level = Rotate(ids=ids, angle=math.pi / 4).apply(level)
+        if ids == (1, 2):
+            assert level.body(2).angle - level.body(1).angle == pytest.approx(2.0)
+    for old, new in zip(start.bodies, level.bodies, strict=True):
+        assert new.angle == pytest.approx(old.angle)
+    # A quarter back from a whole turn is a quarter back, and not three quarters on.
+    for angle in (1.5, -3.0):
+        level = Rotate(ids=ids, angle=angle).apply(level)
+    turn = level.body(1).angle - hinge.reference_angle
+    assert limits is None or turn == pytest.approx(-0.5)
+
+
 def test_two_jointed_circles_get_a_radius_together():
     level = a_level()
     discs = tuple(
