@@ -1,7 +1,7 @@
 """Actions of the Edit and Arrange menus."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import Literal
 
 from editor.base.prompts import TextQuestion
@@ -11,7 +11,7 @@ from editor.documents.commands.base import Command, Selection
 from editor.documents.commands.fields import PasteProperties, SetField
 from editor.documents.commands.group import Mirror, Move, MoveEach, Remove, Reorder, Rotate
 from editor.documents.commands.parts import PARTS
-from editor.documents.commands.rigid import component
+from editor.documents.commands.rigid import component, joined
 from editor.documents.document import Document
 from editor.editing.tools import TOOLS
 from editor.session import Session
@@ -19,7 +19,7 @@ from editor.worker.jobs import Job
 from editor.worker.requests import LoadAgent
 from kinetix.errors import CommandError
 from kinetix.level.geometry import bounds
-from kinetix.level.model import MAX_NAME, Body, Level
+from kinetix.level.model import MAX_NAME, Level
 from kinetix.wording import plural
 
 MIDDLE = (2.5, 2.5)
@@ -324,63 +324,74 @@ def turn(degrees: float) -> Callable[[Session], None]:
     return run
 
 
-Place = Callable[[tuple[float, float, float, float]], float]
+Box = tuple[float, float, float, float]
+"""Left, bottom, right, top [m]."""
 
 
-def align(label: str, axis: int, place: Place) -> Callable[[Session], None]:
-    """An action that brings one line of every selected body to that of the group's box.
+def align(label: str, axis: int, place: Callable[[Box], float]) -> Callable[[Session], None]:
+    """An action that brings one line of every selected piece to that of the group's box.
 
     Args:
         label: What the history calls it.
         axis: 0 moves along x, 1 along y.
-        place: The line of a box (left, bottom, right, top).
+        place: The line of a box.
     """
 
     def run(session: Session) -> None:
-        bodies = _several(session, 2)
-        boxes = [bounds(body) for body in bodies]
-        group = (
-            min(box[0] for box in boxes),
-            min(box[1] for box in boxes),
-            max(box[2] for box in boxes),
-            max(box[3] for box in boxes),
-        )
-        goal = place(group)
-        amounts = [goal - place(box) for box in boxes]
-        session.execute(_moves(label, axis, bodies, amounts))
+        pieces = _pieces(session, 2)
+        goal = place(_around(box for _, box in pieces))
+        amounts = [goal - place(box) for _, box in pieces]
+        session.execute(_moves(label, axis, pieces, amounts))
 
     return run
 
 
 def distribute(label: str, axis: int) -> Callable[[Session], None]:
-    """An action that makes the gaps between the selected bodies equal; the outer two stay."""
+    """An action that makes the gaps between the selected pieces equal; the outer two stay."""
 
     def run(session: Session) -> None:
-        bodies = sorted(_several(session, 3), key=lambda b: sum(bounds(b)[axis::2]))
-        boxes = [bounds(body) for body in bodies]
+        pieces = sorted(_pieces(session, 3), key=lambda piece: sum(piece[1][axis::2]))
+        boxes = [box for _, box in pieces]
         free = boxes[-1][axis] - boxes[0][axis + 2]
         free -= sum(box[axis + 2] - box[axis] for box in boxes[1:-1])
-        gap, amounts, edge = free / (len(bodies) - 1), [0.0], boxes[0][axis + 2]
+        gap, amounts, edge = free / (len(pieces) - 1), [0.0], boxes[0][axis + 2]
         for box in boxes[1:-1]:
             amounts.append(edge + gap - box[axis])
             edge += gap + box[axis + 2] - box[axis]
-        session.execute(_moves(label, axis, bodies, [*amounts, 0.0]))
+        session.execute(_moves(label, axis, pieces, [*amounts, 0.0]))
 
     return run
 
 
-def _several(session: Session, least: int) -> list[Body]:
-    chosen = _unlocked(session)
-    bodies = [b for b in session.document.level.bodies if b.id in chosen]
+def _pieces(session: Session, least: int) -> list[tuple[Selection, Box]]:
+    """The selected shapes with their boxes; jointed ones are one, unless nothing else is selected.
+
+    Raises:
+        CommandError: There are fewer.
+    """
+    level, chosen = session.document.level, _unlocked(session)
+    bodies = {body.id: body for body in level.bodies if body.id in chosen}
+    pieces = [tuple(piece) for piece in joined(level, chosen)]
+    if len(pieces) == 1:
+        pieces = [(body_id,) for body_id in bodies]
     if len(bodies) < least:
         raise CommandError(f"Select at least {least} shapes.")
-    return bodies
+    if len(pieces) < least:
+        raise CommandError(f"Select at least {least} shapes: jointed ones count as one.")
+    return [(piece, _around(bounds(bodies[body_id]) for body_id in piece)) for piece in pieces]
 
 
-def _moves(label: str, axis: int, bodies: list[Body], amounts: list[float]) -> Command:
+def _around(boxes: Iterable[Box]) -> Box:
+    left, bottom, right, top = zip(*boxes, strict=True)
+    return min(left), min(bottom), max(right), max(top)
+
+
+def _moves(
+    label: str, axis: int, pieces: list[tuple[Selection, Box]], amounts: list[float]
+) -> Command:
     shifts = tuple(
-        (body.id, (amount, 0.0) if axis == 0 else (0.0, amount))
-        for body, amount in zip(bodies, amounts, strict=True)
+        (ids, (amount, 0.0) if axis == 0 else (0.0, amount))
+        for (ids, _), amount in zip(pieces, amounts, strict=True)
         if abs(amount) > 1e-9
     )
     return MoveEach(shifts=shifts, label=label)

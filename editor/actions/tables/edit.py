@@ -213,7 +213,7 @@ ARRANGE: Final = (
             menu="Arrange",
             group="align",
             context=EDIT,
-            tooltip="Equal gaps between three or more shapes.",
+            tooltip="Equal gaps between three or more shapes; jointed ones count as one.",
             enabled=selecting,
             run=edit.distribute(label, axis),
         )

@@ -87,18 +87,20 @@ def _within(way: float, places: list[float]) -> float:
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class MoveEach:
-    """Shifts each body by its own amount (align and distribute)."""
+    """Shifts each piece by its own amount (align and distribute)."""
 
-    shifts: tuple[tuple[int, Point], ...]
-    """Body id and shift [m]."""
+    shifts: tuple[tuple[Selection, Point], ...]
+    """The bodies of a piece, and their shift [m]."""
     label: str
     merge_key: Hashable | None = None
 
     def apply(self, level: Level) -> Level:
-        """Shift the bodies; joints follow."""
-        for body_id, shift in self.shifts:
-            level = _shifted(level, (body_id,), shift)
-        return reanchored_each(level, [body_id for body_id, _ in self.shifts])
+        """Shift the pieces; joints follow, but for those within a piece."""
+        for ids, shift in self.shifts:
+            level = _shifted(level, ids, shift)
+        moved = [each for ids, _ in self.shifts for each in ids]
+        together = any(len(ids) > 1 for ids, _ in self.shifts)
+        return (reanchored if together else reanchored_each)(level, moved)
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)

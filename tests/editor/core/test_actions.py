@@ -354,17 +354,32 @@ def test_ctrl_drag_while_paused_puts_a_body_elsewhere(session, hand):
 
 
 def test_alignment_and_distribution(session):
-    session.selection = (1, 2, 3)
+    session.selection = (1, 2)
     actions.run(session, "edit.align_left")
     level = session.document.level
     lefts = [level.body(1).position[0] - 0.2, level.body(2).position[0] - 0.15]
     assert lefts == pytest.approx([1.8, 1.8], abs=1e-5)
     actions.run(session, "edit.undo")
-    actions.run(session, "edit.distribute_y")
-    assert session.document.history.undo_label in (None, "Distribute Vertically")
     session.selection = (1,)
     actions.run(session, "edit.align_top")
     assert "Select at least 2 shapes." in texts(session)
+    session.selection = (1, 2, 3)
+    actions.run(session, "edit.distribute_y")
+    assert "Select at least 3 shapes: jointed ones count as one." in texts(session)
+
+
+def test_jointed_shapes_are_aligned_and_distributed_as_one(session):
+    """The box with its wheel reaches from 1.8 to 2.35, between the blue circle and the green."""
+    before = session.document.level
+    for action, shift in (("align_right", 4.2 - 2.35), ("distribute_x", 2.5 - 2.075)):
+        session.selection = (1, 2, 3, 4)
+        actions.run(session, f"edit.{action}")
+        level = session.document.level
+        for body_id in (1, 2):
+            x, y = before.body(body_id).position
+            assert level.body(body_id).position == pytest.approx((x + shift, y), abs=1e-5)
+        assert level.joints == before.joints
+        actions.run(session, "edit.undo")
 
 
 def test_distributed_gaps_are_equal():

@@ -191,7 +191,7 @@ def a_car():
         SetField(ids=(3, 2, 1), field="position", value=(3.0, 2.0)),
         AdjustField(ids=(1, 2, 3), field="angle", change=Change(amount=0.5, operator="+")),
         ResetFields(rows=((1, "angle", 0.5), (2, "angle", -0.5), (3, "angle", 1.0))),
-        MoveEach(shifts=((1, (0.1, 0.0)), (2, (0.5, 0.0)), (3, (-0.5, 0.0))), label="Align"),
+        MoveEach(shifts=(((1,), (0.1, 0.0)), ((2,), (0.5, 0.0)), ((3,), (-0.5, 0.0))), label="x"),
     ],
     ids=str,
 )
