@@ -37,6 +37,12 @@ _OPERATORS: Final[dict[type[ast.operator], Callable[[float, float], float]]] = {
     ast.Mod: operator.mod,
     ast.Pow: _power,
 }
+_OTHER_UNITS: Final[dict[str, dict[str, float]]] = {
+    "m": {"cm": 0.01, "mm": 0.001},
+    "°": {"rad": 180.0 / math.pi},
+    "rad": {"°": math.pi / 180.0},
+}
+"""What may be typed in a field of a unit, and how many of the field's make one; also per second."""
 _CHANGES: Final[dict[str, Callable[[float, float], float]]] = {
     "+": operator.add,
     "-": operator.sub,
@@ -78,25 +84,26 @@ def parse(text: str, unit: str = "") -> Change:
 
     Args:
         text: A sum such as `2*3`, or a change such as `+=0.5` or `*=2`.
-        unit: The unit that may stand behind it.
+        unit: The field's unit, which may stand behind it, as another of its kind may (`20 cm`).
 
     Raises:
         CommandError: It is neither.
     """
     words = text.strip()
-    if unit and words.endswith(unit):
-        words = words[: -len(unit)].strip()
+    head, slash, per = unit.partition("/")
+    known = {f"{other}{slash}{per}": size for other, size in _OTHER_UNITS.get(head, {}).items()}
+    typed = next((each for each in (*known, unit) if words.endswith(each)), "")
+    words = words.removesuffix(typed).strip()
     sign = words[0] if words[1:2] == "=" and words[0] in _CHANGES else ""
     change = Change(amount=_value(words[2:] if sign else words, text), operator=sign)
     if sign == "/" and change.amount == 0.0:
         raise _refused(text)
-    return change
+    return change.scaled(known.get(typed, 1.0))
 
 
 def _value(words: str, text: str) -> float:
-    words = words.replace("×", "*").replace("÷", "/").replace("−", "-").replace("^", "**")
-    if words.count(",") == 1 and "(" not in words:
-        words = words.replace(",", ".")
+    for typed, meant in (("×", "*"), ("÷", "/"), ("−", "-"), ("^", "**"), (",", ".")):
+        words = words.replace(typed, meant)
     try:
         if len(words) > _LONGEST:
             raise _refused(text)
