@@ -71,6 +71,11 @@ def switch(name: str) -> Callable[[Session], None]:
     return run
 
 
+def open_menu(session: Session) -> None:
+    """Open the first menu of the bar, which is shown if it was hidden."""
+    session.view.interface = session.view.menu = True
+
+
 def switch_names(session: Session) -> None:
     """Show or hide the names on the canvas; says how to give one where there is none."""
     session.settings.names = not session.settings.names

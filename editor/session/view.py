@@ -22,6 +22,8 @@ class View:
     """Name of a field to type into (`level.gravity.1`); the panel that has it clears it."""
     levels_to_measure: str = ""
     """Levels for the Evaluate panel to choose (`chosen`: the gallery's); the panel clears it."""
+    menu: bool = False
+    """True if the first menu is to open; the menu bar clears it."""
     palette: bool = False
     """The command palette."""
     help: bool = False

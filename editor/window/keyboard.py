@@ -51,7 +51,7 @@ class Keyboard:
         # The palette has the keyboard from the key on that opens it, its field two frames later.
         typing = io.want_text_input or session.view.palette
         taken = (typing or popup) and session.hands.capture is None
-        navigating = _navigation(session, popup=popup, in_panel=in_panel)
+        navigating = _navigation(session, popup=popup, closed=closed, in_panel=in_panel)
         there = imgui.is_popup_open("", imgui.PopupFlags_.any_popup.value)
         if submenu and there and imgui.is_key_pressed(imgui.Key.escape, False):
             # Dear ImGui closes the submenu alone, and the pointer that rests there opens it again.
@@ -111,18 +111,21 @@ def _closes_overlay(session: "Session") -> bool:
     return True
 
 
-def _navigation(session: "Session", *, popup: bool, in_panel: bool) -> frozenset[str]:
+def _navigation(session: "Session", *, popup: bool, closed: bool, in_panel: bool) -> frozenset[str]:
     """Keys that move between the fields of a panel now, so that they are not the app's.
 
     The arrows nudge and drive, so they must not start Dear ImGui's navigation: it is only on
-    while a pop-up is open or the keyboard is in a panel already (Tab there, Esc back).
+    while a pop-up is open, on the way from one menu of the bar to the next, or while the keyboard
+    is in a panel already (Tab there, Esc back).
     """
     io = imgui.get_io()
     flag = imgui.ConfigFlags_.nav_enable_keyboard.value
-    inside = io.nav_visible and session.editing and in_panel
+    in_bar = imgui.get_current_context().nav_layer == imgui.internal.NavLayer.menu
+    in_panel = in_panel and session.editing
+    inside = (io.nav_visible and (in_panel or in_bar)) or (closed and in_bar)
     if popup or inside or io.want_text_input:
         io.config_flags |= flag
     else:
         io.config_flags &= ~flag
     keys_taken = _NAVIGATION if inside else frozenset()
-    return keys_taken | {"tab"} if in_panel and session.editing else keys_taken
+    return keys_taken | {"tab"} if in_panel else keys_taken

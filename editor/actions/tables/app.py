@@ -34,6 +34,15 @@ APP: Final = (
         run=about.show_documents,
     ),
     Action(
+        id="app.menu",
+        label="Open the Menu",
+        menu="Help",
+        keys=("f10",),
+        seen=True,
+        tooltip="Arrows go through the menus, Enter chooses, Esc closes.",
+        run=view.open_menu,
+    ),
+    Action(
         id="app.palette",
         label="Command Palette",
         menu="Help",

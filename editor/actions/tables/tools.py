@@ -2,7 +2,7 @@
 
 from typing import Final
 
-from editor.actions import edit, view
+from editor.actions import edit, placing, view
 from editor.actions.base import Action, Context, editing
 from editor.documents.commands.parts import PARTS
 
@@ -24,27 +24,41 @@ PART_ACTIONS: Final = tuple(
 """Parts to build with."""
 
 
-TOOL_ACTIONS: Final = tuple(
+TOOL_ACTIONS: Final = (
+    *(
+        Action(
+            id=f"tool.{tool}",
+            label=label,
+            menu="Tools",
+            keys=(key,),
+            context=EDIT,
+            tooltip=tooltip,
+            enabled=editing,
+            checked=view.is_tool(tool),
+            run=view.choose(tool),
+        )
+        for tool, label, key, tooltip in (
+            ("select", "Select", "v", "Select, move, turn and resize."),
+            ("rectangle", "Rectangle", "r", "Press the key twice to draw several."),
+            ("circle", "Circle", "c", "Press the key twice to draw several."),
+            ("triangle", "Triangle", "t", "Three clicks."),
+            ("joint", "Joint", "j", "A hinge with a motor, where two shapes overlap."),
+            ("weld", "Weld", "w", "Makes two overlapping shapes one."),
+            ("thruster", "Thruster", "h", "Pushes a shape; drag where to."),
+        )
+    ),
     Action(
-        id=f"tool.{tool}",
-        label=label,
+        id="tool.place",
+        label="Place a Shape in the Middle",
         menu="Tools",
-        keys=(key,),
+        keys=("return",),
         context=EDIT,
-        tooltip=tooltip,
-        enabled=editing,
-        checked=view.is_tool(tool),
-        run=view.choose(tool),
-    )
-    for tool, label, key, tooltip in (
-        ("select", "Select", "v", "Select, move, turn and resize."),
-        ("rectangle", "Rectangle", "r", "Press the key twice to draw several."),
-        ("circle", "Circle", "c", "Press the key twice to draw several."),
-        ("triangle", "Triangle", "t", "Three clicks."),
-        ("joint", "Joint", "j", "A hinge with a motor, where two shapes overlap."),
-        ("weld", "Weld", "w", "Makes two overlapping shapes one."),
-        ("thruster", "Thruster", "h", "Pushes a shape; drag where to."),
-    )
+        variants=("enter",),
+        tooltip="Of usual size, with the tool Rectangle, Circle or Triangle: without a mouse.",
+        enabled=placing.can_place,
+        refusal="Take Rectangle, Circle or Triangle first.",
+        run=placing.place,
+    ),
 )
 
 

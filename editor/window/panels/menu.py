@@ -57,6 +57,9 @@ class MenuBar:
             room = imgui.get_window_width() - imgui.get_cursor_pos_x()
             shown = _shown(session)
             fitting = _fitting(shown, room)
+            if session.view.menu:
+                session.view.menu = False
+                _open_by_key(tr(shown[0]) if fitting else _MORE)
             self._row(session, shown[:fitting])
             if fitting < len(shown):
                 opened = imgui.begin_menu(_MORE)
@@ -204,6 +207,15 @@ def _fitting(menus: Sequence[str], room: float) -> int:
         return len(ends)
     room -= imgui.calc_text_size(Icons.more).x + gap
     return sum(end <= room for end in ends)
+
+
+def _open_by_key(menu: str) -> None:
+    """Open a menu of the bar, and leave the keyboard there: the arrows lead to its neighbours."""
+    bar = imgui.internal.get_current_window()
+    imgui.internal.focus_window(bar)
+    layer, scope = imgui.internal.NavLayer.menu, bar.nav_root_focus_scope_id
+    imgui.internal.set_nav_id(imgui.get_id(menu), layer, scope, imgui.internal.ImRect())
+    imgui.open_popup(menu)
 
 
 def _open(session: "Session", path: str | Path) -> None:

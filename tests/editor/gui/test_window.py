@@ -472,7 +472,7 @@ def test_a_key_is_changed_with_the_mouse_and_the_keyboard(gui):
 
 
 def test_the_reset_of_a_key_names_the_key_that_is_taken(gui):
-    gui.session.settings.keys |= {"edit.redo": ["f10"], "tool.circle": ["ctrl+y"]}
+    gui.session.settings.keys |= {"edit.redo": ["f9"], "tool.circle": ["ctrl+y"]}
     gui.session.queue("app.keys")
     gui.frames(4)
     gui.click("keys.search")
@@ -480,7 +480,7 @@ def test_the_reset_of_a_key_names_the_key_that_is_taken(gui):
     gui.click("keys.reset.edit.redo")
     gui.frames(2)
     assert gui.session.toasts[-1].text == "Ctrl+Y is Circle now."
-    assert gui.session.settings.keys["edit.redo"] == ["f10"]
+    assert gui.session.settings.keys["edit.redo"] == ["f9"]
 
 
 def test_ctrl_tab_changes_the_level_and_no_panel(gui):
