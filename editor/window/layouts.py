@@ -153,6 +153,13 @@ def strip() -> float:
     return max(imgui.get_frame_height() + px(1), imgui.get_style().window_min_size.y)
 
 
+def show_tab() -> None:
+    """Scroll the tabs where the current window is docked, so that its own is in sight."""
+    node = imgui.internal.get_window_dock_node()
+    if node is not None and node.tab_bar is not None:
+        node.tab_bar.next_scroll_to_tab_id = imgui.internal.get_current_window().tab_id
+
+
 class LowerRow:
     """The place under the canvas: folded to its tabs, or as high as the panel in front needs.
 

@@ -310,12 +310,14 @@ class Workplace:
         self.canvas.framing.refit()
 
     def _give_height(self, panel: Panel, opened: bool) -> None:
-        """Make a panel that has just come to the front as high as it has to be."""
+        """Make a panel that has just come to the front as high as it has to be, its tab in sight."""
         fresh = opened and panel.id not in self._seen
         self._front_before = frozenset(self._seen)
         # Panels that come back are all open for a frame before they are docked.
         docked = imgui.get_frame_count() > self._put_up + 1
         asked = opened and docked and panel.id == self._asked
+        if fresh:
+            layouts.show_tab()
         fits = asked or (fresh and self.session.view.settled and not self._row.folded())
         if fits and self._row.fit(panel.height):
             self.canvas.framing.refit()

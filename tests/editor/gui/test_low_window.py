@@ -64,6 +64,16 @@ def test_escape_closes_the_menu_that_holds_the_rest(low):
         assert not imgui.is_popup_open("", imgui.PopupFlags_.any_popup.value)
 
 
+def test_the_tab_of_a_panel_that_is_brought_to_the_front_is_in_sight(low):
+    for panel in ("training", "log", "problems"):
+        low.bring(panel)
+        low.frames(8)
+        window = imgui.internal.find_window_by_name(f"###panel-{panel}")
+        strip, tab = window.dock_node.tab_bar, window.dc.dock_tab_item_rect
+        assert strip.scrolling_rect_min_x <= tab.min.x
+        assert tab.max.x <= strip.scrolling_rect_max_x + 1
+
+
 def test_undo_is_in_the_bar(low):
     assert inside(low, "edit.undo") and inside(low, "edit.redo") and inside(low, "run.play_human")
 
