@@ -51,7 +51,7 @@ class LevelPanel(Panel):
         self._texts.begin()
         level = session.document.shown
         with widgets.disabled(not session.editing):
-            with widgets.property_table("level", label=0.37) as opened:
+            with widgets.property_table("level", label=0.38) as opened:
                 if opened:
                     widgets.row("Name")
                     # The name that every new level has is none: typing gives one, not more of it.

@@ -6,7 +6,7 @@ from imgui_bundle import imgui
 
 from editor import actions
 from editor.base import language
-from editor.toolkit.widgets import caps
+from editor.toolkit.widgets import arrangement, caps
 from editor.window.panels.preferences import PAGES
 from kinetix.agents.agent import load_agent
 from kinetix.bundled import agent_names
@@ -19,6 +19,28 @@ ALLOWED = re.compile(
     r"[a-z0-9_+]+|\S+\+\S+.*|[sml]/.*|.*\.json"
 )
 """Numbers with units, keys, names of physics, agents and levels, paths."""
+
+
+def test_labels_of_fields_are_whole_in_german(make_gui, monkeypatch):
+    cut, written = set(), arrangement.muted
+
+    def noted(label):
+        words = language.tr(label)
+        if imgui.calc_text_size(words).x > imgui.get_content_region_avail().x:
+            cut.add(words)
+        written(label)
+
+    monkeypatch.setattr(arrangement, "muted", noted)
+    gui = make_gui(level=a_level(), size=(1280, 720))
+    gui.session.settings.language = "de"
+    gui.frames(40)
+    cut.clear()  # while the panels are put up, some are narrow
+    for selection in ((1,), (3,), (5,), (6,), ("floor",), (1, 2), ()):
+        gui.session.selection = selection
+        gui.frames(3)
+    for panel in ("level", "agents"):
+        gui.bring(panel)
+    assert not cut
 
 
 def test_panels_menus_and_settings_speak_german(make_gui):
