@@ -6,9 +6,10 @@ from pathlib import Path
 from editor.actions import outside
 from editor.base.prompts import Choice, Question
 from editor.documents.document import Document
+from editor.documents.files import plain_reason
 from editor.gallery.filing import free_path
 from editor.session import Session
-from kinetix.errors import KinetixError
+from kinetix.errors import LevelError
 from kinetix.files.atomic import free_backup
 from kinetix.level.codec import load_level
 from kinetix.level.model import Level
@@ -69,5 +70,5 @@ def _theirs(path: Path) -> tuple[Level | None, str]:
     """The level in the file, and a sentence about it."""
     try:
         return load_level(path), ""
-    except KinetixError as error:
-        return None, f"It cannot be read: {error}"
+    except LevelError as error:
+        return None, f"It cannot be read: {plain_reason(path, error)}"

@@ -9,7 +9,7 @@ from editor.documents import files
 from editor.documents.commands.level import ReplaceLevel
 from editor.documents.document import Document, same_content
 from editor.session import Session
-from kinetix.errors import LevelError
+from kinetix.errors import CommandError, LevelError
 from kinetix.level.model import Level
 
 _KINDS = (("bodies", "shapes"), ("joints", "joints"), ("thrusters", "thrusters"))
@@ -56,7 +56,14 @@ def _check_front(session: Session) -> None:
         document.stamp, document.outside = files.read_stamp(path), ""
         document.mark_saved()
         return
-    document.outside = f"{path.name} was changed outside the editor. {_summary(session)}"
+    try:
+        summary, document.readable = _summary(session), True
+    except LevelError as error:
+        summary, document.readable = (
+            f"It cannot be read now: {files.plain_reason(path, error)}",
+            False,
+        )
+    document.outside = f"{path.name} was changed outside the editor. {summary}"
 
 
 def _holds_the_same(session: Session) -> bool:
@@ -81,6 +88,11 @@ def is_changed(session: Session) -> bool:
     return session.editing and bool(session.document.outside)
 
 
+def is_readable(session: Session) -> bool:
+    """Return whether somebody else has changed the file in front and it can be read."""
+    return is_changed(session) and session.document.readable
+
+
 def reload(session: Session) -> None:
     """Take the file's content over."""
     take(session, session.document)
@@ -91,10 +103,14 @@ def take(session: Session, document: Document) -> None:
     """Take the content of a document's file over as one edit, so that it can be undone.
 
     Raises:
-        LevelError: The file cannot be read.
+        CommandError: The file cannot be read.
     """
-    assert document.path is not None
-    fresh = files.open_document(document.path, session.old_names)
+    path = document.path
+    assert path is not None
+    try:
+        fresh = files.open_document(path, session.old_names)
+    except LevelError as error:
+        raise CommandError(f"{path.name}: {files.plain_reason(path, error)}") from error
     document.commit(ReplaceLevel(level=fresh.level, label="Reload"), time=session.time)
     document.source, document.stamp, document.outside = fresh.source, fresh.stamp, ""
     document.replaces_other = False
@@ -151,11 +167,12 @@ def _differences(mine: Level, theirs: Level) -> list[tuple[int, Level, str]]:
 
 
 def _summary(session: Session) -> str:
-    """Count the differences of each kind."""
-    try:
-        theirs = _theirs(session)
-    except LevelError as error:
-        return f"It cannot be read now: {error}"
+    """Count the differences of each kind.
+
+    Raises:
+        LevelError: The file cannot be read.
+    """
+    theirs = _theirs(session)
     differing = _differences(session.document.level, theirs)
     parts = []
     for kind, noun in _KINDS:

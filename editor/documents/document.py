@@ -119,6 +119,8 @@ class Document:
         """State of the file on disk when it was last read or written."""
         self.outside = ""
         """Change of the file by another program; empty: none."""
+        self.readable = True
+        """False if that program has left a file that cannot be read."""
         self.replaces_other = False
         """True if the next save takes the place of what another program has put into the file."""
         self.path = path

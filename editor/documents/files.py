@@ -147,18 +147,29 @@ def why_not(path: str | Path, error: LevelError) -> str:
 
 def told_plainly(path: str | Path, error: LevelError) -> str:
     """Return why a file cannot be opened: its name first, its folder in a line of its own."""
-    file = Path(path)
-    with contextlib.suppress(LevelError):
-        file = resolve_path(path)
+    file = _resolved(path)
+    return f"{file.name}: {plain_reason(path, error)}\n{file.parent}"
+
+
+def plain_reason(path: str | Path, error: LevelError) -> str:
+    """Return why a file cannot be opened, in plain words and without its name."""
+    file = _resolved(path)
     reason = _what_else(file) or str(error).removeprefix(f"{path}: ").removeprefix(f"{file}: ")
     reason = reason.removeprefix("$: ").replace("; $: ", "; ")
     if file.is_absolute():
         reason = reason.replace(", nor a bundled level of this name", "")
     if reason.startswith("expected UTF-8 text"):
-        reason = "this is no text; a level is a text file in JSON"
-    elif reason.startswith("not JSON"):
-        reason = f"this is no level, or a damaged one: {reason}"
-    return f"{file.name}: {reason}\n{file.parent}"
+        return "this is no text; a level is a text file in JSON"
+    if reason.startswith("not JSON"):
+        return f"this is no level, or a damaged one: {reason}"
+    return reason
+
+
+def _resolved(path: str | Path) -> Path:
+    """Return the file that a path or the name of a bundled level means."""
+    with contextlib.suppress(LevelError):
+        return resolve_path(path)
+    return Path(path)
 
 
 def _what_else(path: Path) -> str:
@@ -167,4 +178,7 @@ def _what_else(path: Path) -> str:
         return "this is no level; a level is a file that ends in .json"
     if is_set_file(path):
         return "this is a level set; drop it on the window, and the gallery takes it"
+    with contextlib.suppress(OSError):
+        if path.is_file() and path.stat().st_size == 0:
+            return "this file is empty"
     return ""

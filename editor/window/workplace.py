@@ -310,7 +310,7 @@ class Workplace:
         self.canvas.framing.refit()
 
     def _give_height(self, panel: Panel, opened: bool) -> None:
-        """Make a panel that has just come to the front as high as it has to be, its tab in sight."""
+        """Make a panel that has just come to the front as high as it must be, its tab in sight."""
         fresh = opened and panel.id not in self._seen
         self._front_before = frozenset(self._seen)
         # Panels that come back are all open for a frame before they are docked.

@@ -57,18 +57,31 @@ FILE: Final = (
             menu="File",
             group="save",
             tooltip=tooltip,
-            enabled=outside.is_changed,
+            enabled=enabled,
             passing=True,
-            refusal="The file has not been changed from outside.",
+            refusal="The file has not been changed from outside, or cannot be read now.",
             run=run,
         )
-        for name, label, tooltip, run in (
-            ("reload", "Reload", "What the file holds now, as one edit.", outside.reload),
-            ("keep_mine", "Keep Mine", "Saving overwrites the other one.", outside.keep),
+        for name, label, tooltip, enabled, run in (
+            (
+                "reload",
+                "Reload",
+                "What the file holds now, as one edit.",
+                outside.is_readable,
+                outside.reload,
+            ),
+            (
+                "keep_mine",
+                "Keep Mine",
+                "Saving overwrites the other one.",
+                outside.is_changed,
+                outside.keep,
+            ),
             (
                 "differences",
                 "Differences…",
                 "What differs between the file and the level here.",
+                outside.is_readable,
                 outside.show_differences,
             ),
         )

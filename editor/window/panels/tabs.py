@@ -123,8 +123,9 @@ class DocumentTabs:
                 if number:
                     imgui.same_line(0, px(8))
                 action = actions.BY_ID[name]
-                if widgets.button(session, f"outside.{name}", action.label):
-                    session.queue(name)
+                with widgets.disabled(not actions.available(session, action)):
+                    if widgets.button(session, f"outside.{name}", action.label):
+                        session.queue(name)
                 widgets.tooltip(action.label, action.tooltip)
 
 

@@ -7,7 +7,7 @@ import os
 import pytest
 
 from editor import actions
-from editor.actions import file, folders
+from editor.actions import file, folders, outside
 from editor.base.controls import Drive
 from editor.base.settings import RECENTS_MAX, Settings, SettingsKeeper
 from editor.documents import files, recovery
@@ -275,10 +275,21 @@ def test_a_file_that_cannot_be_read_any_more_is_told(path):
     path.write_text("{")
     os.utime(path, ns=(10**18, 10**18))
     actions.update(session, 2.1)
-    assert "cannot be read now" in session.document.outside
-    assert actions.run(session, "file.reload")  # a toast says why it cannot be done
-    assert any("not JSON" in text or "JSON" in text for text in texts(session))
+    plain = "this is no level, or a damaged one: not JSON, line 1"
+    assert f"It cannot be read now: {plain}" in session.document.outside
+    for action in ("reload", "differences"):
+        assert not actions.run(session, f"file.{action}")
+    with pytest.raises(CommandError, match=f"^{path.name}: {plain}"):
+        outside.take(session, session.document)
     assert session.document.level.body(3) == a_level().body(3)
+    session.execute(MOVE)
+    actions.run(session, "file.save")
+    assert f"It cannot be read: {plain}" in session.prompts[-1].message
+    session.answer(session.prompts[-1], "cancel")
+    save_level(a_level().replace(name="Mended"), path)
+    os.utime(path, ns=(10**18, 2 * 10**18))
+    actions.update(session, 2.1)
+    assert actions.run(session, "file.reload")
 
 
 def test_touching_a_file_is_no_change(path):

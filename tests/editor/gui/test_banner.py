@@ -23,3 +23,19 @@ def test_a_change_from_outside_is_told_over_the_level_and_taken(make_gui, tmp_pa
     assert gui.level.thrusters == ()
     assert not gui.shows("outside.file.reload")
     assert gui.probe("canvas").low[1] == high
+
+
+def test_what_cannot_be_read_is_not_offered_to_be_taken(make_gui, tmp_path):
+    path = tmp_path / "cart.json"
+    save_level(a_level(), path)
+    gui = make_gui()
+    gui.open(path)
+    gui.frames(20)
+    path.write_text("garbage{")
+    os.utime(path, ns=(10**18, 10**18))
+    gui.frames(130)
+    for name in ("reload", "differences"):
+        gui.click(f"outside.file.{name}")
+    assert not gui.session.toasts and not gui.session.prompts
+    gui.click("outside.file.keep_mine")
+    assert not gui.shows("outside.file.reload")
