@@ -4,6 +4,7 @@ from pathlib import Path
 
 import msgspec
 
+from editor.documents.files import plain_reason
 from kinetix.errors import LevelError
 from kinetix.level.codec import level_hash, load_document
 from kinetix.level.model import Level
@@ -66,7 +67,7 @@ def read_card(path: Path) -> tuple[Card, Level | None]:
     try:
         loaded = load_document(path.resolve())
     except LevelError as error:
-        return fault_card(path, str(error)), None
+        return fault_card(path, f"{path.name}: {plain_reason(path, error)}"), None
     return make_card(loaded.level, path, status.st_mtime_ns, status.st_size, loaded.format), (
         loaded.level
     )

@@ -316,10 +316,14 @@ _OVER: Final = object()
 
 
 def _claims_to_be_a_level(path: Path) -> bool:
-    """Return whether a broken file was meant to be a level: only such are worth showing."""
+    """Return whether a broken file was meant to be a level: only such are worth showing.
+
+    One that has become empty, or all zeros as after a full disk or a crash, may have been one.
+    """
     try:
         with open_regular(path, "set") as file:
             head = file.read(4096)
     except (FileError, OSError):
         return False
-    return b'"kinetix-level"' in head or b'"env_state"' in head
+    empty = not head.strip(b"\0\t\r\n ")
+    return empty or b'"kinetix-level"' in head or b'"env_state"' in head

@@ -107,6 +107,14 @@ def test_the_library_finds_levels_and_leaves_other_files_out(library, folder):
     assert "version" not in cards["broken"].name and "name" in cards["broken"].fault
 
 
+@pytest.mark.parametrize("content", [b"", b"\n", bytes(5000)], ids=["empty", "blank", "zeros"])
+def test_a_file_that_has_lost_its_content_is_shown_as_broken(library, folder, content):
+    (folder / "lost.json").write_bytes(content)
+    fault = look(library, folder)["lost"].fault
+    assert fault.startswith("lost.json: this ")
+    assert ("is empty" in fault) == (not content)
+
+
 def test_what_the_library_passes_over_is_said(library, folder, monkeypatch):
     look(library, folder)
     assert library.passed_over == ""
