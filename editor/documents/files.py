@@ -179,6 +179,6 @@ def _what_else(path: Path) -> str:
     if is_set_file(path):
         return "this is a level set; drop it on the window, and the gallery takes it"
     with contextlib.suppress(OSError):
-        if path.is_file() and path.stat().st_size == 0:
+        if os.path.isfile(path) and path.stat().st_size == 0:
             return "this file is empty"
     return ""
