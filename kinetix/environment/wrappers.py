@@ -135,4 +135,11 @@ class LogWrapper:
         return observation, logged, reward, done, info | report
 
 
+def without_logs(env: Any) -> Any:
+    """Return the environment that `LogWrapper` is put around; any other as it is."""
+    while type(env) is LogWrapper:
+        env = env._env
+    return env
+
+
 __getattr__ = lazy_names(__name__)[0]
