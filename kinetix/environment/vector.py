@@ -14,6 +14,7 @@ from kinetix.environment.eager import thorough
 from kinetix.environment.env import KinetixEnv
 from kinetix.environment.state import EnvState
 from kinetix.environment.wrappers import without_logs
+from kinetix.errors import KinetixError
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -121,12 +122,16 @@ def vectorize(env: Any) -> VectorEnv:
     Call `kinetix.use_all_cores()` before the first array, so that a processor's cores are devices.
 
     Args:
-        env: An environment for one world, or a wrapper around one.
+        env: An environment for one world, or a wrapper around one; a vectorised one stays as it is.
 
     Raises:
-        KinetixError: It is no environment.
+        KinetixError: It is no environment, or a wrapper around a vectorised one.
     """
     check_env(env)
+    if isinstance(env, VectorEnv):
+        return env
+    if isinstance(without_logs(env), VectorEnv):
+        raise KinetixError("env: it steps many worlds already, so vectorize has nothing to do")
     return VectorEnv(env=env)
 
 

@@ -122,6 +122,28 @@ def test_a_wrong_batch_gets_one_sentence(batch):
         many.get_obs(one)
 
 
+def test_vectorised_twice_is_once(batch):
+    many, *_ = batch
+    assert kinetix.vectorize(many) is many
+    with pytest.raises(kinetix.KinetixError, match="env: it steps many worlds already"):
+        kinetix.vectorize(kinetix.LogWrapper(many))
+
+
+def test_a_vectorised_environment_can_be_logged(batch):
+    """Counters are one a world from the start, as a loop needs its state."""
+    many, keys, _, actions = batch
+    logged = kinetix.LogWrapper(many)
+    begun, shapes = (
+        jax.eval_shape(function, keys)
+        for function in (
+            lambda keys: logged.reset(keys)[1],
+            lambda keys: logged.step(keys, logged.reset(keys)[1], actions)[1],
+        )
+    )
+    assert begun == shapes
+    assert {leaf.shape[0] for leaf in jax.tree.leaves(begun)} == {4}
+
+
 def test_values_are_looked_at_in_calls_from_python(batch):
     many, keys, states, actions = batch
     params = kinetix.EnvParams()
