@@ -120,6 +120,20 @@ def test_a_folder_is_its_levels(small_static, tmp_path):
         make_reset_fn_list_of_levels([tmp_path / "none"], static)
 
 
+def test_what_is_no_level_in_a_list(small_static, small_state):
+    loaded = load_from_json_file("s/first_flight")
+    taken_out = "of load_from_json_file.path. take the first of three, the state"
+    for levels, expected in (
+        ([loaded], rf"levels\[0\]: expected a level .*, got tuple: {taken_out}"),
+        (loaded, rf"levels\[1\]: expected a level .*, got StaticEnvParams: {taken_out}"),
+        ([small_state, 3], r"levels\[1\]: expected a level .*, got int$"),
+    ):
+        with pytest.raises(KinetixError, match=expected):
+            make_reset_fn_list_of_levels(levels, small_static)
+    with pytest.raises(KinetixError, match=r"level: expected a level .*, got NoneType"):
+        level_state(None, small_static)
+
+
 def test_no_reset_function(small_static, small_state):
     env = make_kinetix_env("multi_discrete", "blind", None, EnvParams(), small_static)
     assert "auto_reset=False, so that episodes end" in sentence(env, KEY, small_state, ACTION)
