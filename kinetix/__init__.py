@@ -13,6 +13,7 @@ from kinetix.lazy import lazy_names
 if TYPE_CHECKING:
     from kinetix.agents.agent import load_agent, save_agent
     from kinetix.cores import use_all_cores
+    from kinetix.environment.decompile import level_of
     from kinetix.environment.env import make_kinetix_env
     from kinetix.environment.generators.params import UEDParams
     from kinetix.environment.generators.sample import sample_kinetix_level
@@ -50,6 +51,7 @@ _HOME = {
     "StaticEnvParams": "kinetix.environment.params",
     "UEDParams": "kinetix.environment.generators.params",
     "VectorEnv": "kinetix.environment.vector",
+    "level_of": "kinetix.environment.decompile",
     "load_agent": "kinetix.agents.agent",
     "load_from_json_file": "kinetix.environment.reset",
     "load_level": "kinetix.level.codec",
@@ -84,6 +86,7 @@ __all__ = [
     "UEDParams",
     "VectorEnv",
     "__version__",
+    "level_of",
     "load_agent",
     "load_from_json_file",
     "load_level",
