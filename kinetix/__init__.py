@@ -35,6 +35,7 @@ if TYPE_CHECKING:
     from kinetix.level.model import Level
     from kinetix.pages.show import show
     from kinetix.render.pixels import make_render_pixels
+    from kinetix.render.saving import save_film
     from kinetix.version import __version__
 
 _HOME = {
@@ -62,6 +63,7 @@ _HOME = {
     "permute_state": "kinetix.environment.rearrange",
     "sample_kinetix_level": "kinetix.environment.generators.sample",
     "save_agent": "kinetix.agents.agent",
+    "save_film": "kinetix.render.saving",
     "save_level": "kinetix.level.codec",
     "show": "kinetix.pages.show",
     "simulate": "kinetix.environment.runs",
@@ -97,6 +99,7 @@ __all__ = [
     "permute_state",
     "sample_kinetix_level",
     "save_agent",
+    "save_film",
     "save_level",
     "show",
     "simulate",
