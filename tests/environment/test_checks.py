@@ -155,6 +155,11 @@ def test_texts_of_records_are_short(small_env, small_state):
     assert repr(small_level()) == "Level('small': 3 bodies, 1 joint, 1 thruster)"
 
 
+def test_bodies_of_a_state_are_changed_in_two_parts(small_state):
+    with pytest.raises(KinetixError, match=r"no field 'bodies': .*state\.replace\(circle="):
+        small_state.replace(bodies=small_state.bodies)
+
+
 class Foreign:
     """An array of another library."""
 
