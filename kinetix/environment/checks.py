@@ -246,7 +246,7 @@ def check_values(
         actions: What an action means; None: its values are not looked at.
         arguments: Those of its `step`, `reset` or `get_obs`.
         named: Likewise.
-        batch: True for an action a world; one on an accelerator is not waited for.
+        batch: True for an action a world; it is not waited for, as that would cost some percent.
 
     Raises:
         KinetixError: A parameter or a choice of the action is out of its range, or the level to
@@ -264,7 +264,7 @@ def check_values(
             static = getattr(env, "static_env_params", None)
             check_features(state.world, getattr(static, "features", Features()))
     action = named.get("action", arguments[2] if len(arguments) > 2 else None)
-    if actions is not None and isinstance(action, NUMBERS) and not (batch and _is_away(action)):
+    if actions is not None and isinstance(action, NUMBERS) and not (batch and _takes_time(action)):
         check_choice(action, actions, batch=batch)
 
 
@@ -275,11 +275,12 @@ def _of_environment(state: Any) -> Any:
     return state
 
 
-def _is_away(value: Any) -> bool:
-    """Return whether an array lies on an accelerator or in other processes."""
+def _takes_time(value: Any) -> bool:
+    """Return whether an array is still computed, or lies on an accelerator or elsewhere."""
     if not isinstance(value, jax.Array):
         return False
-    return not value.is_fully_addressable or any(d.platform != "cpu" for d in value.devices())
+    here = value.is_fully_addressable and all(d.platform == "cpu" for d in value.devices())
+    return not here or not value.is_ready()
 
 
 def check_features(world: World, features: Features, name: str = "the level") -> None:

@@ -44,8 +44,8 @@ class VectorEnv:
 
         Raises:
             KinetixError: A parameter or a choice of an action is out of its range, or a level to
-                start in has something that the step leaves out. Actions on a GPU or TPU, and those
-                of a wrapper of one's own, are not looked at.
+                start in has something that the step leaves out. Actions that are still computed or
+                lie on a GPU or TPU, and those of a wrapper of one's own, are not looked at.
         """
         env = without_logs(self.env)
         actions = env.actions if isinstance(env, KinetixEnv) else None
