@@ -279,8 +279,9 @@ def _takes_time(value: Any) -> bool:
     """Return whether an array is still computed, or lies on an accelerator or elsewhere."""
     if not isinstance(value, jax.Array):
         return False
-    here = value.is_fully_addressable and all(d.platform == "cpu" for d in value.devices())
-    return not here or not value.is_ready()
+    array: Any = value  # JAX's type leaves out `is_ready`
+    here = array.is_fully_addressable and all(d.platform == "cpu" for d in array.devices())
+    return not here or not array.is_ready()
 
 
 def check_features(world: World, features: Features, name: str = "the level") -> None:
