@@ -12,11 +12,12 @@ from kinetix import (
     make_kinetix_env,
     make_render_pixels,
     make_reset_fn_sample_kinetix_level,
+    save_film,
     static_env_params_from_size,
 )
 from kinetix.errors import one_sentence
 from kinetix.files.folders import made_folder
-from kinetix.render.film import FILM_SUFFIXES, ffmpeg, write_film
+from kinetix.render.film import FILM_SUFFIXES, ffmpeg
 
 
 def main() -> None:
@@ -59,7 +60,7 @@ def main() -> None:
 
     # Pictures have the axes x, y, channel with y up; image files want rows from the top.
     frames = [picture.transpose(1, 0, 2)[::-1] for picture in np.asarray(pictures)]
-    write_film(arguments.out, frames, kind=kind, per_second=30)
+    save_film(arguments.out, frames, per_second=30)
     print(f"{arguments.out}: return {rewards.sum():.3f}, {int(dones.sum())} episodes ended")
 
 

@@ -13,6 +13,7 @@ from kinetix.lazy import lazy_names
 if TYPE_CHECKING:
     from kinetix.agents.agent import load_agent, save_agent
     from kinetix.cores import use_all_cores
+    from kinetix.environment.decompile import level_of
     from kinetix.environment.env import make_kinetix_env
     from kinetix.environment.generators.params import UEDParams
     from kinetix.environment.generators.sample import sample_kinetix_level
@@ -34,6 +35,7 @@ if TYPE_CHECKING:
     from kinetix.level.model import Level
     from kinetix.pages.show import show
     from kinetix.render.pixels import make_render_pixels
+    from kinetix.render.saving import save_film
     from kinetix.version import __version__
 
 _HOME = {
@@ -50,6 +52,7 @@ _HOME = {
     "StaticEnvParams": "kinetix.environment.params",
     "UEDParams": "kinetix.environment.generators.params",
     "VectorEnv": "kinetix.environment.vector",
+    "level_of": "kinetix.environment.decompile",
     "load_agent": "kinetix.agents.agent",
     "load_from_json_file": "kinetix.environment.reset",
     "load_level": "kinetix.level.codec",
@@ -60,6 +63,7 @@ _HOME = {
     "permute_state": "kinetix.environment.rearrange",
     "sample_kinetix_level": "kinetix.environment.generators.sample",
     "save_agent": "kinetix.agents.agent",
+    "save_film": "kinetix.render.saving",
     "save_level": "kinetix.level.codec",
     "show": "kinetix.pages.show",
     "simulate": "kinetix.environment.runs",
@@ -84,6 +88,7 @@ __all__ = [
     "UEDParams",
     "VectorEnv",
     "__version__",
+    "level_of",
     "load_agent",
     "load_from_json_file",
     "load_level",
@@ -94,6 +99,7 @@ __all__ = [
     "permute_state",
     "sample_kinetix_level",
     "save_agent",
+    "save_film",
     "save_level",
     "show",
     "simulate",

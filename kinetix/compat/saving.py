@@ -1,6 +1,5 @@
 """kinetix-env's reading and writing of levels and parameters. Pickles are never read."""
 
-import dataclasses
 import json
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -14,6 +13,8 @@ from safetensors.numpy import load_file, save_file
 
 from kinetix.agents.arrays import flatten, unflatten
 from kinetix.agents.kinetix_env import write_files
+from kinetix.environment.checks import check_is_state
+from kinetix.environment.decompile import scene_of
 from kinetix.environment.generators.params import UEDParams
 from kinetix.environment.params import (
     EnvParams,
@@ -125,17 +126,15 @@ def export_env_state_to_json(
         env_state: One state (not a batch); positions and speeds become those of the start.
         static_env_params: Taken for kinetix-env's sake; the state knows its sizes.
         env_params: The time limit, where the state has none.
+
+    Raises:
+        KinetixError: It is no state, a batch of them, or one without values, within `jax.jit`.
     """
     del static_env_params
     path = Path(filename)
     path = path if path.suffix == ".json" else path.with_name(f"{path.name}.json")
-    labels = env_state.labels
-    limit = int(labels.max_timesteps) or env_params.max_timesteps
-    scene = Scene(
-        world=env_state.world,
-        state=env_state.physics,
-        labels=dataclasses.replace(labels, max_timesteps=np.int32(limit)),
-    )
+    check_is_state(env_state, "the order is export_env_state_to_json(filename, env_state, …)")
+    scene = scene_of(env_state, env_params.max_timesteps)
     path.parent.mkdir(parents=True, exist_ok=True)
     level = level_from_scene(scene, name=path.stem, inertia_model=UEDParams().inertia_model)
     save_level(level, path, format="kinetix-env")

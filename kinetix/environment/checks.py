@@ -1,7 +1,7 @@
 """Checks of the arguments of `reset` and `step` while they are traced: one sentence each.
 
 Types and shapes are known then, so a check costs nothing in a compiled step. Values are not: they
-are looked at where a method is called from Python alone. Under `jit` what lies outside an action's
+are looked at where a method is called from Python. Under `jit` what lies outside an action's
 range is clipped, or counts as no action (`env.action_space().contains` tells).
 """
 
@@ -17,6 +17,7 @@ import numpy as np
 from kinetix.engine.pipeline import empty_cache
 from kinetix.engine.spec import Capacity, Features
 from kinetix.engine.types import World
+from kinetix.environment.actions.base import AbstractAction
 from kinetix.environment.actions.checks import check_choice
 from kinetix.environment.arguments import NUMBERS, is_array, kind_of
 from kinetix.environment.bounds import check_numbers
@@ -230,13 +231,22 @@ def check_state(state: Any, engine: PhysicsEngine) -> None:
         )
 
 
-def check_values(env: Any, arguments: tuple[Any, ...], named: Mapping[str, Any]) -> None:
+def check_values(
+    env: Any,
+    actions: AbstractAction | None,
+    arguments: tuple[Any, ...],
+    named: Mapping[str, Any],
+    *,
+    batch: bool = False,
+) -> None:
     """Refuse values that a compiled step cannot see, where it is called from Python.
 
     Args:
-        env: An environment.
+        env: An environment, or a wrapper around one.
+        actions: What an action means; None: its values are not looked at.
         arguments: Those of its `step`, `reset` or `get_obs`.
         named: Likewise.
+        batch: True for an action a world; it is not waited for, as that would cost some percent.
 
     Raises:
         KinetixError: A parameter or a choice of the action is out of its range, or the level to
@@ -249,18 +259,36 @@ def check_values(env: Any, arguments: tuple[Any, ...], named: Mapping[str, Any])
     is_reset = len(arguments) == 2 and not named
     starts = (named.get("override_reset_state"), *arguments[1 if is_reset else 2 :])
     for start in starts:
-        if isinstance(start, EnvState):
-            check_features(start.world, env.static_env_params.features)
+        state = _of_environment(start)
+        if isinstance(state, EnvState):
+            static = getattr(env, "static_env_params", None)
+            check_features(state.world, getattr(static, "features", Features()))
     action = named.get("action", arguments[2] if len(arguments) > 2 else None)
-    if isinstance(action, NUMBERS):
-        check_choice(action, env.actions)
+    if actions is not None and isinstance(action, NUMBERS) and not (batch and _takes_time(action)):
+        check_choice(action, actions, batch=batch)
+
+
+def _of_environment(state: Any) -> Any:
+    """Return the environment's state within a wrapper's; anything else as it is."""
+    while hasattr(state, "env_state"):
+        state = state.env_state
+    return state
+
+
+def _takes_time(value: Any) -> bool:
+    """Return whether an array is still computed, or lies on an accelerator or elsewhere."""
+    if not isinstance(value, jax.Array):
+        return False
+    array: Any = value  # JAX's type leaves out `is_ready`
+    here = array.is_fully_addressable and all(d.platform == "cpu" for d in array.devices())
+    return not here or not array.is_ready()
 
 
 def check_features(world: World, features: Features, name: str = "the level") -> None:
     """Refuse a level of which a step for other levels would leave parts out.
 
     Args:
-        world: The level's.
+        world: The level's, or those of a batch.
         features: Those that the step computes.
         name: The level's name, for the sentence.
 

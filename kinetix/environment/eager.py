@@ -49,7 +49,7 @@ def quick_alone(method: Callable[..., Any]) -> Callable[..., Any]:
         if outside:
             refuse_forked_process()
             make_room()
-            check_values(self, arguments, named)
+            check_values(self, getattr(self, "actions", None), arguments, named)
             arguments, named = with_usual_action(arguments, named)
         program = alone if outside and jax.default_backend() == "cpu" else inside
         # Step by step a solver would take minutes: `jax.disable_jit` is for the caller's own code.
@@ -65,10 +65,11 @@ def thorough(method: Callable[..., Any]) -> Callable[..., Any]:
     """Compile a method thoroughly, also for calls from Python: for many worlds at once.
 
     Args:
-        method: Takes a hashable `self` and pytrees of arrays.
+        method: Takes a hashable `self` with `check_values` and pytrees of arrays.
 
     Returns:
-        The compiled method; it raises a KinetixError where an argument holds no arrays.
+        The compiled method; it raises a KinetixError where an argument holds no arrays, or a value
+        that cannot be.
     """
     program = jax.jit(method, static_argnums=0)
 
@@ -77,6 +78,8 @@ def thorough(method: Callable[..., Any]) -> Callable[..., Any]:
         refuse_forked_process()
         make_room()
         refuse_mesh(arguments, named)
+        if get_opaque_trace_state("flax") == _OUTSIDE:
+            self.check_values(arguments, named)
         with usual_promotion(), _naming_what_is_no_array(method, (arguments, named)):
             return program(self, *arguments, **named)
 

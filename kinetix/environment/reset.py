@@ -16,6 +16,7 @@ from jaxtyping import Array, Float
 from kinetix.bounds import LAST_SEED
 from kinetix.bundled import named_levels, permutation_of
 from kinetix.engine.spec import Features, SceneSpec
+from kinetix.environment.arguments import kind_of
 from kinetix.environment.checks import check_features, check_params, check_static_params
 from kinetix.environment.params import (
     EnvParams,
@@ -180,6 +181,7 @@ def level_state(level: LevelLike, static_env_params: StaticEnvParams) -> EnvStat
         check_computable(level)
         return _document_state(level, static_env_params)
     else:
+        _refuse_no_level("level", level)
         name = _file_of(level)
         state, _, _ = _loaded(level, static_env_params)
     return _fitting(state, static_env_params, name)
@@ -358,10 +360,25 @@ def _entries(levels: Any) -> tuple[list[LevelLike | SetLevel], np.ndarray]:
     if not isinstance(levels, Iterable):
         kind = type(levels).__name__
         raise KinetixError(f"levels: expected levels, their files or a level set, got {kind}")
+    levels = list(levels)
+    for index, entry in enumerate(levels):
+        _refuse_no_level(f"levels[{index}]", entry)
     entries = [one for entry in levels for one in _each_level(entry)]
     if entries and all(isinstance(one, SetLevel) for one in entries):
         return entries, np.array([one.weight for one in entries])
     return entries, np.ones(len(entries))
+
+
+def _refuse_no_level(name: str, value: Any) -> None:
+    if isinstance(value, LevelLike | SetLevel | os.PathLike):
+        return
+    hint = ""
+    if isinstance(value, tuple | StaticEnvParams | EnvParams):
+        hint = ": of load_from_json_file(path) take the first of three, the state"
+    raise LevelError(
+        f"{name}: expected a level (its file, its name, a kinetix.Level or an EnvState), got "
+        f"{kind_of(value)}{hint}"
+    )
 
 
 def _each_level(entry: Any) -> Iterable[Any]:

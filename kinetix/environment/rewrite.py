@@ -63,6 +63,11 @@ def own_changes(state: Any, changes: Mapping[str, Any]) -> dict[str, Any]:
         if name not in NAMES:
             near = difflib.get_close_matches(name, NAMES, n=1)
             hint = f"did you mean {near[0]!r}?" if near else f"expected {', '.join(sorted(NAMES))}"
+            if name == "bodies":
+                hint = (
+                    "bodies are read there and changed in two parts, polygon and circle: "
+                    "state.replace(circle=state.circle.replace(position=…))"
+                )
             raise KinetixError(f"EnvState has no field {name!r}: {hint}")
     changes = {
         name: value if name in OWN else _fitting(state, name, value)

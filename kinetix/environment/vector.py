@@ -8,10 +8,13 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array
 
-from kinetix.environment.checks import check_env, check_worlds
+from kinetix.environment.checks import check_env, check_values, check_worlds
 from kinetix.environment.devices import in_shares
 from kinetix.environment.eager import thorough
+from kinetix.environment.env import KinetixEnv
 from kinetix.environment.state import EnvState
+from kinetix.environment.wrappers import without_logs
+from kinetix.errors import KinetixError
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -31,6 +34,22 @@ class VectorEnv:
         if name.startswith("__") or name == "env":
             raise AttributeError(name)
         return getattr(self.env, name)
+
+    def check_values(self, arguments: tuple[Any, ...], named: Mapping[str, Any]) -> None:
+        """Refuse values that a compiled step cannot see; each call from Python begins with it.
+
+        Args:
+            arguments: Those of `step`, `reset` or `get_obs`.
+            named: Likewise.
+
+        Raises:
+            KinetixError: A parameter or a choice of an action is out of its range, or a level to
+                start in has something that the step leaves out. Actions that are still computed or
+                lie on a GPU or TPU, and those of a wrapper of one's own, are not looked at.
+        """
+        env = without_logs(self.env)
+        actions = env.actions if isinstance(env, KinetixEnv) else None
+        check_values(env, actions, arguments, named, batch=True)
 
     @thorough
     def reset(
@@ -103,12 +122,16 @@ def vectorize(env: Any) -> VectorEnv:
     Call `kinetix.use_all_cores()` before the first array, so that a processor's cores are devices.
 
     Args:
-        env: An environment for one world, or a wrapper around one.
+        env: An environment for one world, or a wrapper around one; a vectorised one stays as it is.
 
     Raises:
-        KinetixError: It is no environment.
+        KinetixError: It is no environment, or a wrapper around a vectorised one.
     """
     check_env(env)
+    if isinstance(env, VectorEnv):
+        return env
+    if isinstance(without_logs(env), VectorEnv):
+        raise KinetixError("env: it steps many worlds already, so vectorize has nothing to do")
     return VectorEnv(env=env)
 
 

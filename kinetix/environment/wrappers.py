@@ -38,7 +38,10 @@ def _given(override: EnvState | LogState | None) -> tuple[Any, ...]:
 
 
 class LogWrapper:
-    """Counts returns, lengths and solved episodes, and reports them in `info`."""
+    """Counts returns, lengths and solved episodes, and reports them in `info`.
+
+    It may be put around an environment, or around a vectorised one.
+    """
 
     def __init__(self, env: Any) -> None:
         check_env(env)
@@ -75,12 +78,13 @@ class LogWrapper:
         return self._env.get_obs(*_given(state))
 
     def _counting(self, observation: Any, env_state: Any) -> tuple[Any, LogState]:
-        count = jnp.zeros((), jnp.int32)
+        worlds = jnp.shape(getattr(env_state, "timestep", 0))  # of a vectorised environment
+        count, reward = jnp.zeros(worlds, jnp.int32), jnp.zeros(worlds)
         state = LogState(
             env_state=env_state,
-            episode_returns=jnp.zeros(()),
+            episode_returns=reward,
             episode_lengths=count,
-            returned_episode_returns=jnp.zeros(()),
+            returned_episode_returns=reward,
             returned_episode_lengths=count,
             timestep=count,
         )
@@ -133,6 +137,13 @@ class LogWrapper:
             "returned_episode": done,
         }
         return observation, logged, reward, done, info | report
+
+
+def without_logs(env: Any) -> Any:
+    """Return the environment that `LogWrapper` is put around; any other as it is."""
+    while type(env) is LogWrapper:
+        env = env._env
+    return env
 
 
 __getattr__ = lazy_names(__name__)[0]

@@ -1,5 +1,6 @@
 """Builds a level from Python: bodies by their place in the world. No JAX."""
 
+import operator
 import typing
 from collections.abc import Iterable, Sequence
 from typing import Any, Final
@@ -242,6 +243,7 @@ class LevelBuilder:
         Raises:
             LevelError: The body is missing, or a value cannot be.
         """
+        body = _plain(body)
         pushed = self._find(body)
         if isinstance(body, str):
             raise LevelError(f"thruster on {body}: expected a body that is not part of the arena")
@@ -279,6 +281,7 @@ class LevelBuilder:
         limits: Limits | None = None,
         reference_angle: float | None = None,
     ) -> int:
+        ends = _plain(ends[0]), _plain(ends[1])
         first, second = (self._find(end) for end in ends)
         if ends[0] == ends[1] or (isinstance(ends[0], str) and isinstance(ends[1], str)):
             raise LevelError(f"joint between {ends[0]} and {ends[1]}: expected two bodies")
@@ -323,6 +326,16 @@ class LevelBuilder:
                 f"returned"
             )
         return self._bodies[reference]
+
+
+def _plain(reference: Any) -> Any:
+    """Return an id of numpy's or JAX's as a number of Python's; anything else as it is."""
+    if isinstance(reference, bool):
+        return reference
+    try:
+        return operator.index(reference)
+    except TypeError:
+        return reference
 
 
 def rectangle(width: float, height: float) -> tuple[Point, ...]:

@@ -292,8 +292,8 @@ def save_level(
     path = Path(path)
     if not isinstance(level, Level):
         raise LevelError(
-            f"{path}: expected a kinetix.Level to save, got {type(level).__name__}; states are "
-            "saved by kinetix.util.saving.export_env_state_to_json"
+            f"{path}: expected a kinetix.Level to save, got {type(level).__name__}; "
+            "kinetix.level_of(state, name=…) makes one of a state"
         )
     check_level(level, f"{path}: this level cannot be written")
     write_atomically(path, dumps(level, format=format, source=source).encode())

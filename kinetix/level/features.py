@@ -6,6 +6,7 @@ from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
+from jaxtyping import Bool
 
 from kinetix.engine.pairs import candidate_pairs, may_push
 from kinetix.engine.solvers.base import AbstractSolver
@@ -25,6 +26,9 @@ def pushing_pairs(world: World) -> tuple[tuple[int, int], ...]:
 
     Left out are exactly those with an inactive body, two fixed bodies, two bodies of one jointed
     component, or two bodies whose collision modes exclude each other; in candidate order.
+
+    Args:
+        world: Of one level or a batch: those that push each other in any of them.
     """
     bodies = world.bodies
     capacity = capacity_of_world(world)
@@ -32,29 +36,34 @@ def pushing_pairs(world: World) -> tuple[tuple[int, int], ...]:
     active = np.asarray(bodies.active)
     mode = np.asarray(bodies.collision_mode)
     free = (np.asarray(bodies.inverse_mass) != 0) | (np.asarray(bodies.inverse_inertia) != 0)
-    kept = active[a] & active[b] & (free[a] | free[b]) & may_push(mode[a], mode[b])
-    kept &= np.asarray(world.collides)[a, b]
+    kept = active[..., a] & active[..., b] & (free[..., a] | free[..., b])
+    kept &= may_push(mode[..., a], mode[..., b]) & np.asarray(world.collides)[..., a, b]
+    kept = _in_any(kept)
     return tuple(
         (min(i, j), max(i, j)) for i, j in zip(a[kept].tolist(), b[kept].tolist(), strict=True)
     )
 
 
 def capacity_of_world(world: World) -> Capacity:
-    """The capacity that a compiled world has."""
-    polygons = len(world.bodies.vertex_count)
+    """The capacity that a compiled world has, or each of a batch."""
     return Capacity(
-        polygons=polygons,
-        circles=len(world.bodies.radius),
-        joints=len(world.joints.active),
-        thrusters=len(world.thrusters.active),
+        polygons=world.bodies.vertex_count.shape[-1],
+        circles=world.bodies.radius.shape[-1],
+        joints=world.joints.active.shape[-1],
+        thrusters=world.thrusters.active.shape[-1],
     )
+
+
+def _in_any(slots: Bool[np.ndarray, "*n slots"]) -> Bool[np.ndarray, " slots"]:
+    """Return of each slot whether it is true in any world."""
+    return np.asarray(slots.any(axis=tuple(range(slots.ndim - 1))))
 
 
 def features_of(subject: "Level | Scene | World", *, capacity: Capacity | None = None) -> Features:
     """Return the features that a level or compiled world uses: those left out could never act.
 
     Args:
-        subject: A level, a scene or a world (of one level, not a batch).
+        subject: A level, a scene or a world; of a batch, what any of its worlds uses.
         capacity: For a level: what it is compiled to; by default `capacity_of(level)`.
     """
     world = _world_of(subject, capacity)
@@ -62,17 +71,18 @@ def features_of(subject: "Level | Scene | World", *, capacity: Capacity | None =
     active = np.asarray(joints.active)
     hinges = active & ~np.asarray(joints.fixed)
     filled = np.asarray(bodies.active)
-    polygons = filled[: len(bodies.vertex_count)]
+    vertices = np.asarray(bodies.vertex_count)
     thrusters = np.asarray(world.thrusters.active)
+    slots = _in_any(filled)
     return Features(
         pairs=pushing_pairs(world),
         used=Used(
-            bodies=tuple(np.flatnonzero(filled | (np.arange(len(filled)) < ARENA_BODIES)).tolist()),
-            joints=tuple(np.flatnonzero(active).tolist()),
-            thrusters=tuple(np.flatnonzero(thrusters).tolist()),
+            bodies=tuple(np.flatnonzero(slots | (np.arange(len(slots)) < ARENA_BODIES)).tolist()),
+            joints=tuple(np.flatnonzero(_in_any(active)).tolist()),
+            thrusters=tuple(np.flatnonzero(_in_any(thrusters)).tolist()),
         ),
-        restitution=bool((np.asarray(bodies.restitution) * np.asarray(bodies.active) > 0).any()),
-        triangles=bool((polygons & (np.asarray(bodies.vertex_count) == 3)).any()),
+        restitution=bool((np.asarray(bodies.restitution) * filled > 0).any()),
+        triangles=bool((filled[..., : vertices.shape[-1]] & (vertices == 3)).any()),
         limits=bool((hinges & np.asarray(joints.limited)).any()),
         welds=bool((active & np.asarray(joints.fixed)).any()),
         motors=bool((hinges & np.asarray(joints.motor_on)).any()),

@@ -108,7 +108,7 @@ def _film(one: Any) -> Film:
         return film_of_run(one)
     raise KinetixError(
         "show: expected a run of kinetix.simulate, the file of an episode (.npz), a film or a "
-        f"level, got {type(one).__name__}"
+        f"level, got {type(one).__name__}; kinetix.level_of(state, name=…) makes a level of a state"
     )
 
 

@@ -120,6 +120,20 @@ def test_a_folder_is_its_levels(small_static, tmp_path):
         make_reset_fn_list_of_levels([tmp_path / "none"], static)
 
 
+def test_what_is_no_level_in_a_list(small_static, small_state):
+    loaded = load_from_json_file("s/first_flight")
+    taken_out = "of load_from_json_file.path. take the first of three, the state"
+    for levels, expected in (
+        ([loaded], rf"levels\[0\]: expected a level .*, got tuple: {taken_out}"),
+        (loaded, rf"levels\[1\]: expected a level .*, got StaticEnvParams: {taken_out}"),
+        ([small_state, 3], r"levels\[1\]: expected a level .*, got int$"),
+    ):
+        with pytest.raises(KinetixError, match=expected):
+            make_reset_fn_list_of_levels(levels, small_static)
+    with pytest.raises(KinetixError, match=r"level: expected a level .*, got NoneType"):
+        level_state(None, small_static)
+
+
 def test_no_reset_function(small_static, small_state):
     env = make_kinetix_env("multi_discrete", "blind", None, EnvParams(), small_static)
     assert "auto_reset=False, so that episodes end" in sentence(env, KEY, small_state, ACTION)
@@ -139,6 +153,11 @@ def test_texts_of_records_are_short(small_env, small_state):
     assert repr(small_env.observation_type.layout) == "<Layout: size s>"
     assert repr(small_env.physics_engine).startswith("<PhysicsEngine: size s, ")
     assert repr(small_level()) == "Level('small': 3 bodies, 1 joint, 1 thruster)"
+
+
+def test_bodies_of_a_state_are_changed_in_two_parts(small_state):
+    with pytest.raises(KinetixError, match=r"no field 'bodies': .*state\.replace\(circle="):
+        small_state.replace(bodies=small_state.bodies)
 
 
 class Foreign:

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 import kinetix
+from kinetix.environment.reset import static_env_params_for_levels
 
 _PROGRAM = """
 import json, sys
@@ -119,3 +120,82 @@ def test_a_wrong_batch_gets_one_sentence(batch):
         many.reset(jax.random.PRNGKey(0))
     with pytest.raises(kinetix.KinetixError, match="state: expected one per world"):
         many.get_obs(one)
+
+
+def test_vectorised_twice_is_once(batch):
+    many, *_ = batch
+    assert kinetix.vectorize(many) is many
+    with pytest.raises(kinetix.KinetixError, match="env: it steps many worlds already"):
+        kinetix.vectorize(kinetix.LogWrapper(many))
+
+
+def test_a_vectorised_environment_can_be_logged(batch):
+    """Counters are one a world from the start, as a loop needs its state."""
+    many, keys, _, actions = batch
+    logged = kinetix.LogWrapper(many)
+    begun, shapes = (
+        jax.eval_shape(function, keys)
+        for function in (
+            lambda keys: logged.reset(keys)[1],
+            lambda keys: logged.step(keys, logged.reset(keys)[1], actions)[1],
+        )
+    )
+    assert begun == shapes
+    assert {leaf.shape[0] for leaf in jax.tree.leaves(begun)} == {4}
+
+
+def test_values_are_looked_at_in_calls_from_python(batch):
+    many, keys, states, actions = batch
+    actions = np.array(actions)  # JAX's own are not waited for
+    bad = np.where(np.arange(4) == 2, 11, actions)
+    params = kinetix.EnvParams()
+    logged = kinetix.vectorize(kinetix.LogWrapper(many.env))
+    for each in (many, logged):
+        with pytest.raises(kinetix.KinetixError, match=r"action of world 2, 11: .* up to 10"):
+            each.step(keys, states, bad)
+        with pytest.raises(kinetix.KinetixError, match=r"action of world 2, 11: .* up to 10"):
+            each.step(keys, states, jax.block_until_ready(jnp.array(bad)))
+        with pytest.raises(kinetix.KinetixError, match=r"env_params\.dt: expected seconds above 0"):
+            each.step(keys, states, actions, params.replace(dt=-1.0))
+        with pytest.raises(kinetix.KinetixError, match=r"env_params\.dt: expected seconds above 0"):
+            each.reset(keys, env_params=params.replace(dt=-1.0))
+    mapped = kinetix.vectorize(_Mapped(many.env))
+    mapped.check_values((keys, states, actions + 11), {})
+    with pytest.raises(kinetix.KinetixError, match=r"env_params\.dt: expected seconds above 0"):
+        mapped.step(keys, states, actions + 11, params.replace(dt=-1.0))
+
+
+class _Mapped:
+    """A wrapper with actions of its own."""
+
+    def __init__(self, env):
+        self.env = env
+
+    def __getattr__(self, name):
+        return getattr(self.env, name)
+
+
+def test_a_batch_that_a_step_would_leave_parts_out_of_is_refused():
+    builder = kinetix.LevelBuilder("Ball")
+    builder.circle(1, 1, 0.3, role="green")
+    ball = builder.build()
+    builder.rectangle(1, 0.2, 1, 0.2, fixed=True)
+    plank = builder.build()
+    full = kinetix.static_env_params_from_size("5,1,0,0", physics="jax2d")
+    static = static_env_params_for_levels(ball, full)
+    draw = kinetix.make_reset_fn_list_of_levels(ball, static)
+    params = kinetix.EnvParams()
+    env = kinetix.make_kinetix_env("discrete", "blind", draw, params, static)
+    keys = jax.random.split(jax.random.key(0), 2)
+    balls, mixed = (
+        kinetix.make_reset_fn_list_of_levels(levels, full).levels
+        for levels in ([ball, ball], [ball, plank])
+    )
+    one = jax.tree.map(lambda leaf: leaf[1], mixed)
+    for each in (kinetix.vectorize(env), kinetix.vectorize(kinetix.LogWrapper(env))):
+        for start in (mixed, one):
+            with pytest.raises(kinetix.KinetixError, match="leaves out some of its contacts"):
+                each.reset(keys, params, start)
+            with pytest.raises(kinetix.KinetixError, match="leaves out some of its contacts"):
+                each.step(keys, balls, jnp.zeros(2, int), params, start)
+        each.check_values((keys, params, balls), {})

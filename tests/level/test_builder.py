@@ -2,6 +2,7 @@ import math
 import subprocess
 import sys
 
+import numpy as np
 import pytest
 
 import kinetix
@@ -45,6 +46,17 @@ def test_points_and_anchors_are_places_in_the_world():
     assert made.reference_angle == pytest.approx(math.pi / 2)
 
 
+def test_ids_may_be_numbers_of_numpy():
+    b = kinetix.LevelBuilder()
+    ids = np.array([b.circle(1, 1, 0.2), b.circle(2, 1, 0.2)])
+    b.hinge(ids[0], ids[1], (1, 1))
+    b.weld("floor", ids[0], (1, 0.5))
+    b.thruster(ids[1], (2, 1), angle=0, power=1)
+    level = b.build()
+    assert (level.joints[0].a, level.joints[1].b, level.thrusters[0].body) == (1, 1, 2)
+    assert type(level.joints[0].b) is type(level.thrusters[0].body) is int
+
+
 def test_limits_are_a_pair_or_the_record():
     b = kinetix.LevelBuilder()
     a, c = b.circle(1, 1, 0.2), b.circle(2, 1, 0.2)
@@ -82,6 +94,10 @@ WRONG = {
     "hundreds of digits": (lambda b: b.circle(10**400, 0, 1), "x 1000.*expected a finite number"),
     "beyond 32 bits": (lambda b: b.circle(0, 1e30, 1), "y 1e.30: expected at most 1e.18"),
     "a list as a body": (lambda b: b.thruster([1], (0, 0), angle=0, power=1), "there is no body"),
+    "a truth as a body": (
+        lambda b: b.weld(b.circle(0, 0, 1), np.True_, (0, 0)),
+        "there is no body",
+    ),
     "half a body": (lambda b: b.weld(b.circle(0, 0, 1), 1.0, (0, 0)), "there is no body 1.0"),
     "a body to itself": (lambda b: b.weld(b.circle(0, 0, 1), 1, (0, 0)), "expected two bodies"),
     "walls alone": (lambda b: b.weld("floor", "ceiling", (0, 0)), "expected two bodies"),

@@ -396,6 +396,13 @@ def test_features_of_several_levels_cover_each():
     assert features_union([one, Features()], capacity).used is None
 
 
+def test_features_of_a_batch_cover_each_of_its_worlds():
+    levels = (LAMP, load_level(FIXTURES / "v1" / "cart_and_bell.json"))
+    worlds = [compiled(level, "m").world for level in levels]
+    batch = jax.tree.map(lambda *leaves: np.stack(leaves), *worlds)
+    assert features_of(batch) == features_union(map(features_of, worlds), SIZES["m"])
+
+
 # --- sizes
 
 

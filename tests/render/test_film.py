@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
+import kinetix
 from kinetix.errors import KinetixError, LevelError
 from kinetix.files.atomic import replacing
 from kinetix.render.film import gif_picture, write_film, write_gif
@@ -144,3 +145,42 @@ def test_a_folder_that_is_not_there_is_told_alike(tmp_path, kind):
     pytest.importorskip("imageio_ffmpeg")
     with pytest.raises(FileNotFoundError):
         write_film(tmp_path / "gone" / f"a{kind}", _frames(3), kind=kind, per_second=30)
+
+
+def test_a_film_of_ones_own_pictures(tmp_path):
+    frames = list(_frames(5))
+    kinetix.save_film(str(tmp_path / "a.GIF"), np.stack(frames), 25)
+    with Image.open(tmp_path / "a.GIF") as film:
+        assert film.n_frames == 5
+        assert np.array_equal(film.convert("RGB"), frames[0])
+
+
+def test_an_mp4_is_asked_for_by_its_name(tmp_path):
+    pytest.importorskip("imageio_ffmpeg")
+    kinetix.save_film(tmp_path / "a.mp4", _frames(5))
+    assert b"ftyp" in (tmp_path / "a.mp4").read_bytes()[:16]
+
+
+FRAME = np.zeros((8, 9, 3), np.uint8)
+NO_FILMS = {
+    "neither": ("a.avi", [FRAME], 30, r"a\.avi: expected a name that ends in \.gif or \.mp4"),
+    "no ending": ("a", [FRAME], 30, r"a: expected a name that ends in \.gif or \.mp4"),
+    "swapped": (None, "a.gif", 30, r"the order is save_film\(path, frames\)"),
+    "no rate": ("a.gif", [FRAME], 0, "per_second 0: expected a number above 0"),
+    "a text": ("a.gif", [FRAME], "30", "per_second '30': expected a number above 0"),
+    "reals": ("a.gif", [FRAME / 2], 30, r"frames\[0\]: expected .*uint8.*\(8, 9, 3\) in float64"),
+    "two sizes": ("a.gif", [FRAME, FRAME[1:]], 30, r"frames\[1\]: expected the shape \(8, 9, 3\)"),
+    "one": ("a.gif", FRAME, 30, r"frames\[0\]: expected \(height, width, 3\) .*got \(9, 3\)"),
+    "no pictures": ("a.gif", 3, 30, "frames: expected pictures, got int"),
+    "none": ("a.gif", [], 30, "needs at least one picture"),
+    "no folder": ("gone/a.gif", [FRAME], 30, "cannot be saved"),
+}
+
+
+@pytest.mark.parametrize("case", NO_FILMS)
+def test_what_is_no_film_gets_one_sentence(tmp_path, case):
+    name, frames, rate, sentence = NO_FILMS[case]
+    path = FRAME if name is None else tmp_path / name
+    with pytest.raises(KinetixError, match=sentence):
+        kinetix.save_film(path, frames, rate)
+    assert list(tmp_path.iterdir()) == []

@@ -42,12 +42,13 @@ def check_action(action: Any, actions: AbstractAction) -> None:
         )
 
 
-def check_choice(action: Any, actions: AbstractAction) -> None:
+def check_choice(action: Any, actions: AbstractAction, *, batch: bool = False) -> None:
     """Refuse an action whose values mean nothing, where they are known.
 
     Args:
         action: Of any shape; another one than the space's is left to `check_action`.
         actions: What it is an action of.
+        batch: True for an action a world.
 
     Raises:
         KinetixError: It holds a choice that does not exist.
@@ -56,14 +57,18 @@ def check_choice(action: Any, actions: AbstractAction) -> None:
     if isinstance(space, Box):
         return  # reals are clipped, as agents that draw them expect
     chosen = np.asarray(action)
-    if chosen.shape != space.shape or chosen.dtype.kind not in "iu":
+    worlds, shape = chosen.shape[:batch], chosen.shape[batch:]
+    if len(worlds) != batch or shape != space.shape or chosen.dtype.kind not in "iu":
         return  # `check_action` says so
     choices = getattr(space, "number_of_dims_per_distribution", None)
-    if (chosen < 0).any() or (chosen >= np.array(choices or space.n)).any():
+    wrong = (chosen < 0) | (chosen >= np.array(choices or space.n))
+    if wrong.any():
         known = f"below {', '.join(map(str, choices))}" if choices else f"up to {space.n - 1}"
+        world = np.argwhere(wrong)[0, :batch]
+        of = f" of world {world[0]}," if batch else ""
         raise KinetixError(
-            f"action {chosen.tolist()}: expected whole numbers from 0 and {known} "
-            f"({actions.name}); under jit a choice that does not exist drives nothing"
+            f"action{of} {chosen[tuple(world)].tolist()}: expected whole numbers from 0 and "
+            f"{known} ({actions.name}); under jit a choice that does not exist drives nothing"
         )
 
 
