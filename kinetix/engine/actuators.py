@@ -10,16 +10,19 @@ from kinetix.pytree import pytree
 
 
 def motor_fade(
-    world: World, angle: Float[Array, "j n"], action: Float[Array, "j n"], parameters: Parameters
+    world: World, angle: Float[Array, "j n"], drive: Float[Array, "j n"], parameters: Parameters
 ) -> Float[Array, "j n"]:
-    """Return a motor's share of strength near a limit: 1 away from it, or when leaving it."""
+    """Return a motor's share of strength near a limit: 1 away from it, or when leaving it.
+
+    Only the sign of `drive` counts: which way the motor wants to turn the joint.
+    """
     joints = world.joints
     band = parameters.motor_joint_limit
     beyond = angle - jnp.clip(angle, joints.limit_min + band, joints.limit_max - band)
     faded = jnp.where(
         ~joints.limited | (beyond == 0), 1, jnp.maximum(0, 1 - jnp.abs(beyond) / band)
     )
-    return jnp.maximum(faded, (jnp.sign(beyond) != jnp.sign(action)).astype(faded.dtype))
+    return jnp.maximum(faded, (jnp.sign(beyond) != jnp.sign(drive)).astype(faded.dtype))
 
 
 def motor_runs(world: World, action: Float[Array, "j n"]) -> Bool[Array, "j n"]:
@@ -80,7 +83,7 @@ def motor_row(
     strength = (
         parameters.base_motor_power
         * joints.motor_power
-        * motor_fade(world, angle, action, parameters)
+        * motor_fade(world, angle, target, parameters)
         / nonzero(motors.inverse_inertia)
     )
     k = parameters.motor_decay_coefficient

@@ -66,6 +66,14 @@ JOINT_SLIP = 5e-4
 the positions at once. Larger: loops open as they pass a dead point; smaller: what swings loses
 energy."""
 
+MOST_MENDING_TURN = 0.5
+"""Turn by which positions are mended at once [rad]. Larger: chains that snap tight are torn, as
+their links overshoot; smaller: what is open closes later."""
+
+MOST_LATE = 2
+"""Substeps for which a force that has grown counts as unknown, at most. Fewer: light chains that
+snap tight are torn; more: they gain energy under many small substeps."""
+
 JOINT_REGULARISATION = 1e-6
 """Relative compliance of the joint rows: keeps redundant loops solvable in float32."""
 

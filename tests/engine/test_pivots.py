@@ -39,9 +39,9 @@ def arm(angle: float, clearance: float, *, driven: bool, welded: bool = False) -
     x, y = PIVOT + np.array([[cos, -sin], [sin, cos]]) @ OFFSET
     spin = 0.0 if driven else SPIN
     box = b.rectangle(x, y, WIDTH, HEIGHT, angle=angle, angular_velocity=spin)
-    motor = Motor(speed=-2, auto=True) if driven else None
+    motor = Motor(speed=-2) if driven else None
     b.hinge(box, post, tuple(PIVOT), motor=motor)
-    return Trial(level=b.build(), duration=4.0)
+    return Trial(level=b.build(), duration=4.0, motor=1.0)
 
 
 @pytest.fixture(scope="module", params=["fast", "balanced", "accurate"])

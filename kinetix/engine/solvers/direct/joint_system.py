@@ -263,9 +263,10 @@ def curvature(
     As a bias of the solve before the drift they make the gaps vanish at its end: the force that
     bends the path acts in time, and the energy of what swings is kept (RATTLE). Light bodies that
     pull far heavier ones swing faster than a substep can follow; there it would feed them energy,
-    so taut joints get none of it and are mended by `settle`. Nor do bodies that spin too fast for a
-    substep, such as those that are wedged and thrown about. What turns together with the joint's
-    force does not swing, however fast it is; that part of the bend is foreseen always.
+    so taut hinges get none of it and are mended by `settle`; welds do not swing and get all of it.
+    Nor do bodies that spin too fast for a substep, such as those that are wedged and thrown about.
+    What turns together with the joint's force does not swing, however fast it is; that part of the
+    bend is foreseen always.
 
     Args:
         step: The worlds.
@@ -284,7 +285,8 @@ def curvature(
     def bent(spin_a: Float[Array, "j n"], spin_b: Float[Array, "j n"]) -> Vec:
         return bend(spin_b, system.arm_b) - bend(spin_a, system.arm_a)
 
-    loose, turn = step.held.loose, step.held.turn
+    turn = step.held.turn
+    loose = jnp.where(step.world.joints.fixed, 1, step.held.loose)
     own = bent(spin_a, spin_b)
     carried = bent(_common(spin_a, turn), _common(spin_b, turn))
     spin = jnp.maximum(jnp.abs(spin_a), jnp.abs(spin_b))
@@ -302,6 +304,9 @@ def _common(a: Float[Array, "j n"], b: Float[Array, "j n"]) -> Float[Array, "j n
 
 def settle(step: Step, system: JointSystem) -> tuple[JointSystem, Velocity]:
     """Take the error of taut joints, and of any that gape, out of the positions alone.
+
+    Links that would turn far are moved only part of the way: beyond it the line that they are
+    moved along is not their path, and a chain that snapped tight would be torn for good.
 
     Args:
         step: The worlds.
@@ -322,4 +327,6 @@ def settle(step: Step, system: JointSystem) -> tuple[JointSystem, Velocity]:
     left = jnp.clip(left, -constants.JOINT_SLIP, constants.JOINT_SLIP)
     gained = jnp.where(system.live, in_use.product(system.answers, system.error - left), 0)
     move = apply(system.rows, gained, still, step.masses)
+    most = jnp.max(jnp.abs(move.angular), axis=0)
+    move = move * jnp.minimum(1, constants.MOST_MENDING_TURN / jnp.maximum(most, 1e-9))
     return dataclasses.replace(system, error=left), move

@@ -10,24 +10,28 @@ from jaxtyping import Array, Float
 
 from kinetix.engine import constants
 from kinetix.engine.lookup import onto
-from kinetix.engine.maths import Vec, dot, nonzero, rotate, vec
+from kinetix.engine.maths import Vec, dot, nonzero, rotate, vec, where
 from kinetix.engine.solvers.rows import Links, Masses
 from kinetix.engine.types import State, World
 
 
 def effective_masses(
-    world: World, state: State, links: Links, h: Float[Array, " n"]
+    world: World, state: State, links: Links, h: Float[Array, " n"], substeps: int
 ) -> tuple[Masses, Float[Array, "b n"]]:
     """Inverse masses with the stiffness of taut joints added to the inertia, and what is loose.
 
     A force f at an arm r turns with the body: a spring of stiffness r·f that linearised joints do
     not see. As inertia h²·r·f it keeps heavy hanging loads stable; ordinary scenes do not notice.
+    Welds are left out: bodies do not swing about them.
     h²·r·f over the body's own inertia is (h·swing rate)², which tells taut joints from loose ones.
+    The forces are those of the last step. One that grows at a blow acts for a whole step before
+    it is known, so the inertia is that of a step, not of a substep.
     """
     joints, bodies, cache = world.joints, world.bodies, state.cache
     inverse_inertia = bodies.inverse_inertia
     count = inverse_inertia.shape[0]
     force = Vec(x=cache.joint_force_x, y=cache.joint_force_y)
+    force = where(joints.fixed, force * 0, force)
     stiffness = jnp.zeros_like(inverse_inertia)
     ends = links.look_up((state.rotation, bodies.inverse_mass, inverse_inertia))
     (angle_a, mass_a, inertia_a), (angle_b, mass_b, inertia_b) = ends
@@ -40,7 +44,9 @@ def effective_masses(
         about = jnp.where(other > 0, 1, mass / nonzero(mass + dot(arm, arm) * inertia))
         stiffness += sign * onto(dot(arm, force) * about, body, count)
     swing = h**2 * jnp.maximum(stiffness, 0) * inverse_inertia
-    masses = Masses(linear=bodies.inverse_mass, angular=inverse_inertia / jnp.maximum(1, swing))
+    known_after = min(substeps, constants.MOST_LATE) ** 2
+    angular = inverse_inertia / jnp.maximum(1, known_after * swing)
+    masses = Masses(linear=bodies.inverse_mass, angular=angular)
     return masses, jnp.clip((constants.TAUT - swing) / (0.8 * constants.TAUT), 0, 1)
 
 

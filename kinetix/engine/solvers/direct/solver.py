@@ -106,7 +106,7 @@ class Direct(AbstractSolver):
         h = parameters.dt / self.substeps
         store = Store.beside(state.rotation)
         links = joint_links(world, spec.features)
-        masses, loose = store(effective_masses(world, state, links, h))
+        masses, loose = store(effective_masses(world, state, links, h, self.substeps))
         found = find_contacts(world, state, parameters, spec, self.slots_for(spec), store)
         this = Step(
             world=world,
