@@ -295,7 +295,7 @@ class _Pen:
         count = len(bodies)
         if not 2 <= count <= _MATRIX_MOST:
             return
-        component = components(level)
+        component = components(level.joints)
         side, edge = px(11), px(26)
         left, bottom = self.draw.get_clip_rect_min().x + px(14), self.draw.get_clip_rect_max().y
         top = bottom - px(14) - count * side

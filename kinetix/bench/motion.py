@@ -97,7 +97,7 @@ class Motion:
         Arena bodies that can be felt count too.
         """
         placed = self._placed()
-        component = components(self.trial.level)
+        component = components(self.trial.level.joints)
         deepest = np.zeros(len(self.position))
         for first, second in itertools.combinations(placed, 2):
             if not may_push(

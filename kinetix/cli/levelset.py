@@ -141,13 +141,20 @@ def _where_levels_are(made: LoadedSet, *, inline: bool) -> str:
 
 def _split(command: Split) -> int:
     here = (command.source, f"{command.source}.json")
-    if not any(map(os.path.exists, here)) and named_levels(command.source):
+    if not any(map(os.path.exists, here)):
+        if named_levels(command.source):
+            raise LevelError(
+                f"{command.source}: is bundled, and stays as it is; make a set of your own from "
+                f"it: kinetix levelset build mine.json --levels {command.source}"
+            )
         raise LevelError(
-            f"{command.source}: is bundled, and stays as it is; make a set of your own from it: "
-            f"kinetix levelset build mine.json --levels {command.source}"
+            f"{command.source}: there is no such level set; `kinetix levelset build` makes one"
         )
     source = resolve_path(command.source)
-    made = split_set(load_set(source), split=command.split, seed=command.seed)
+    found = load_set(source)
+    if not found.levels:
+        raise LevelError(f"{source}: expected levels, found none")
+    made = split_set(found, split=command.split, seed=command.seed)
     _save(made, source, inline=False)
     print(_summary(source, made))
     return 0

@@ -5,6 +5,7 @@ import dataclasses
 import math
 import os
 import sys
+import time
 from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
@@ -184,14 +185,20 @@ def _titles(chosen: list[SetLevel]) -> dict[str, str]:
 def _solve(each: SetLevel, title: str, command: Solve, env: "KinetixEnv") -> bool:
     from kinetix.environment.search import solve_level
 
-    level, last = each.level, None
+    level, last, shown = each.level, None, (-math.inf, 0, "")
     compiling = contextlib.ExitStack()
 
     def report(progress: "SearchProgress") -> None:
-        nonlocal last
+        nonlocal last, shown
         last = progress
+        if not progress.compiled:
+            return
         compiling.close()
-        _show(progress)
+        now = (time.monotonic(), progress.won, f"{progress.distance:.2f}")
+        # A light level has many rounds a second, most of which bring nothing new.
+        if now[1:] != shown[1:] or now[0] - shown[0] >= 1:
+            shown = now
+            _show(progress)
 
     with compiling:
         compiling.enter_context(announced(f"{title}: compiling the search"))
@@ -260,7 +267,10 @@ def _searched(last: "SearchProgress | None") -> str:
     """Return for how long and with how many plans a level was searched, in words."""
     if last is None:
         return "without a search"
-    return f"in {last.seconds:.0f} s, {plural(last.plans, 'plan')} tried"
+    return (
+        f"in {last.seconds:.0f} s of search and {last.compiling:.0f} s of compiling, "
+        f"{plural(last.plans, 'plan')} tried"
+    )
 
 
 def _show(progress: "SearchProgress") -> None:

@@ -16,11 +16,12 @@ from kinetix.cores import narrow_cores
 from kinetix.errors import KinetixError
 from kinetix.training.averages import PREFIX
 from kinetix.training.config import CONFIGS, BcConfig
-from kinetix.training.settings import CONFIG, SOURCES, field_notes, settings_of
+from kinetix.training.settings import CONFIG, SOURCES, field_notes, preset_values, settings_of
 from kinetix.training.sweep import SweepRun, lines, read_sweep, table, write_table
 from kinetix.training.telling import say_nothing
 from kinetix.wording import plural, thousands
 
+_SMALL: Final = "small"
 _SUMMARIES = {
     "ppo": "PPO on random levels, or on the levels of --levels.",
     "sfl": "Sampling for learnability: random levels that are solved sometimes.",
@@ -41,7 +42,7 @@ class Common:
     """Hyper-parameters by name; flags win over it."""
     preset: str | None = None
     """Named hyper-parameters: small, specialist, general, paper, kinetix-3; the file and flags win
-    over them. Without preset and file: small, which fits a laptop."""
+    over them. Without preset and file: small, which fits a laptop; its values are in brackets."""
     seeds: int = 1
     """Train so many times, with the seeds seed, seed + 1, …, into RUN/seed_…"""
     sweep: Annotated[Path | None, tyro.conf.arg(metavar="FILE.toml")] = None
@@ -66,12 +67,13 @@ class Common:
 def _arguments(algorithm: str) -> type[Common]:
     """The flags of an algorithm: every hyper-parameter that it reads, not given by default."""
     fields: list[Any] = []
+    small = preset_values(algorithm, _SMALL)
     for owner in (CONFIGS[algorithm], NetworkConfig):
         notes = field_notes(owner)
         for field in dataclasses.fields(owner):
             if field.name in {"network", "dummy_env", *CONFIGS[algorithm].unread}:
                 continue
-            text = f"{notes[field.name]} ({field.default})"
+            text = f"{notes[field.name]} ({small.get(field.name, field.default)})"
             kind: Any = Annotated[
                 field.type | None, tyro.conf.arg(help=text, help_behavior_hint="")
             ]  # pyright: ignore
@@ -83,7 +85,6 @@ def _arguments(algorithm: str) -> type[Common]:
     return made
 
 
-_SMALL: Final = "small"
 _ARGUMENTS = {name: _arguments(name) for name in CONFIGS}
 
 Train: Any = Union[  # noqa: UP007 (made at run time)

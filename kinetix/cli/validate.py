@@ -109,6 +109,9 @@ def _level_issues(loaded: LoadedLevel) -> Iterator[Issue]:
 
 def _set_issues(path: Path) -> Iterator[Issue]:
     loaded = load_set(path)
+    if not loaded.levels:
+        message = "Expected levels in this set, found none."
+        yield Issue(code="E001", severity="error", path="$.levels", message=message)
     for k, (entry, each) in enumerate(zip(loaded.manifest.levels, loaded.levels, strict=True)):
         if entry.path is None:
             for issue in validate(each.level):

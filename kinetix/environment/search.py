@@ -54,7 +54,11 @@ class SearchProgress:
     distance: float
     """Least distance between green and blue [m]; of plans that were not lost, if there are any."""
     seconds: float
-    """Compiling included."""
+    """Of the search, without the first round of each kind."""
+    compiling: float
+    """Seconds of the first rounds, which compile."""
+    compiled: bool
+    """Whether each kind has had its first round."""
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -105,8 +109,9 @@ def solve_level(
     compiled: float | None = None
     for turn, way in enumerate(itertools.cycle(ways)):
         found = next(way)
+        now = time.perf_counter()
         if turn == len(ways) - 1:
-            compiled = time.perf_counter()
+            compiled = now
         if found.actions is not None:
             return Solution(
                 physics=physics,
@@ -115,9 +120,18 @@ def solve_level(
             )
         played, won = played + found.plans, won + found.won
         closest = min(closest, found.distance)
-        now = time.perf_counter()
-        report(SearchProgress(plans=played, won=won, distance=closest, seconds=now - started))
-        if not task.channels or (compiled is not None and now - compiled >= seconds):
+        searched = 0.0 if compiled is None else now - compiled
+        report(
+            SearchProgress(
+                plans=played,
+                won=won,
+                distance=closest,
+                seconds=searched,
+                compiling=now - started - searched,
+                compiled=compiled is not None,
+            )
+        )
+        if not task.channels or (compiled is not None and searched >= seconds):
             return None
     raise AssertionError("a cycle has no end")
 

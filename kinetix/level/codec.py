@@ -140,7 +140,8 @@ def loads_document(text: str, file: str = "text") -> LoadedLevel:
     if isinstance(tree, dict) and tree.get("format") == LEVELSET_FORMAT:
         faults.add("E002", "$.format", "this is a level set, expected a single level")
     elif isinstance(tree, dict) and "format" in tree:
-        faults.expect("E002", "$.format", f'"{FORMAT}"', tree["format"])
+        of_sets = f' ("{LEVELSET_FORMAT}" for a level set)' if "levels" in tree else ""
+        faults.expect("E002", "$.format", f'"{FORMAT}"{of_sets}', tree["format"])
     else:
         expected = f'expected a level: an object with "format": "{FORMAT}" or with "env_state"'
         faults.add("E002", "$", expected)

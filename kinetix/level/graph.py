@@ -1,12 +1,17 @@
 """Jointed components of a level."""
 
-from kinetix.level.model import Body, BodyReference, Level
+from collections.abc import Iterable
+
+from kinetix.level.model import Body, BodyReference, Joint
 
 
-def components(level: Level) -> dict[BodyReference, BodyReference]:
+def components(joints: Iterable[Joint]) -> dict[BodyReference, BodyReference]:
     """For every jointed body a representative of its component; arena and fixed bodies connect.
 
     Bodies of one component never push each other. Bodies without joints are left out.
+
+    Args:
+        joints: All of a level; of welds alone those that hold still against each other.
     """
     parents: dict[BodyReference, BodyReference] = {}
 
@@ -15,7 +20,7 @@ def components(level: Level) -> dict[BodyReference, BodyReference]:
             reference = parents[reference]
         return reference
 
-    for joint in level.joints:
+    for joint in joints:
         parents[root(joint.b)] = root(joint.a)
     return {reference: root(reference) for reference in tuple(parents)}
 

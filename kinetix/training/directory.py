@@ -15,18 +15,19 @@ from kinetix.files.regular import read_text
 from kinetix.training.config import RESUMABLE, PpoConfig
 from kinetix.training.logging import UPDATE, read_metrics
 from kinetix.training.settings import CONFIG, loads_config, make_config
-from kinetix.training.telling import Say
 from kinetix.wording import thousands
 
 
-def check_same_run(out: Path, algorithm: str, config: PpoConfig, say: Say) -> None:
+def check_same_run(out: Path, algorithm: str, config: PpoConfig) -> str:
     """Refuse to go on with a run under other hyper-parameters than it began with.
 
     Args:
         out: The run's directory.
         algorithm: What trains now.
         config: What it would train with.
-        say: Takes a sentence about a difference that is allowed.
+
+    Returns:
+        A sentence about another length, which is allowed; empty where it is the same.
 
     Raises:
         KinetixError: The run is another one, or the directory holds something else.
@@ -35,22 +36,24 @@ def check_same_run(out: Path, algorithm: str, config: PpoConfig, say: Say) -> No
     if not os.path.isfile(path):
         if not all(_may_lie_there(entry) for entry in out.iterdir()):
             raise KinetixError(f"{out}: is not empty and holds no training run")
-        return
+        return ""
     name, values = loads_config(read_text(path, "run"), str(path))
     before = make_config(name, values=values)
     if name != algorithm:
         raise KinetixError(f"{out}: this run was started with {name}, not {algorithm}")
+    length = ""
     for field in dataclasses.fields(config):
         old, new = getattr(before, field.name), getattr(config, field.name)
         if field.name == "total_timesteps" and old != new:
             falls = config.anneal_lr or config.warmup_lr
             rate = "; the learning rate goes on as in a run of that length" if falls else ""
-            say(f"total_timesteps was {thousands(old)}, now it is {thousands(new)}{rate}")
+            length = f"total_timesteps was {thousands(old)}, now it is {thousands(new)}{rate}"
         if field.name not in RESUMABLE and old != new:
             raise KinetixError(
                 f"{path}: this run was started with {_differing(field.name, old, new)}; choose "
                 "another directory"
             )
+    return length
 
 
 def _may_lie_there(path: Path) -> bool:

@@ -83,7 +83,7 @@ def train(  # noqa: PLR0913 (whom to tell what, besides what is trained)
         check_package(config)
         made_folder(out)
     wait_for_all("the directory is there")
-    check_same_run(out, algorithm, config, say)
+    length = check_same_run(out, algorithm, config)
     if config.levels:
         status("preparing the levels")
     make_room()
@@ -99,6 +99,7 @@ def train(  # noqa: PLR0913 (whom to tell what, besides what is trained)
         wait_for_all("what was moved is back")
         stop = stack.enter_context(stop_requests(say))
         state, progress, damaged = _begin(trainer, out, say, status, teacher)
+        _say_length(length, progress, config, say)
         origin = read_origin(out) if progress.updates else origin_of(teacher)
         checkpoint = checkpoint_of(out, config, progress)
         lost = unreadable_agent(checkpoint) if progress.updates else ""
@@ -167,6 +168,12 @@ def _say_first(trainer: Trainer, config: PpoConfig, say: Say) -> None:
     for warning in (cut_short(trainer.setup), learns_nothing(trainer.setup)):
         if warning:
             say(f"warning: {warning}")
+
+
+def _say_length(length: str, progress: StoredProgress, config: PpoConfig, say: Say) -> None:
+    """Say that a run goes on with another length, if it does."""
+    if length and progress.updates < config.num_updates:
+        say(length)
 
 
 def _keep_config(out: Path, text: str, config: PpoConfig, progress: StoredProgress) -> None:

@@ -48,6 +48,20 @@ def presets() -> list[str]:
     )
 
 
+def preset_values(algorithm: str, preset: str) -> dict[str, Any]:
+    """Return the fields, and the network's options, that a preset changes for an algorithm.
+
+    Args:
+        algorithm: As for `make_config`.
+        preset: Its name.
+
+    Raises:
+        KinetixError: There is no such preset.
+    """
+    given = _given(algorithm, preset=preset, file=None, run=None)
+    return given.fields | given.network
+
+
 def make_config(
     algorithm: str,
     *,

@@ -316,6 +316,18 @@ def test_the_help_shows_what_an_option_takes_and_no_word_for_nothing(capsys):
     assert "None" not in capsys.readouterr().err
 
 
+def test_the_help_of_a_training_shows_the_values_that_it_takes_by_itself(capsys):
+    assert cli.main(["train", "bc", "--help"]) == 0
+    told = " ".join(capsys.readouterr().out.replace("│", " ").split())
+    for name, value in {
+        "anneal-lr": "True",
+        "kind": "flat_mlp",
+        "observation-type": "symbolic_flat",
+        "learning-rate": "0.0005",
+    }.items():
+        assert f"({value})" in told.partition(f"--{name} ")[2].partition(" --")[0], name
+
+
 def test_the_help_of_a_choice_says_what_each_word_means(capsys):
     assert cli.main(["train", "sfl", "--help"]) == 0
     told = " ".join(capsys.readouterr().out.replace("│", " ").split())

@@ -29,8 +29,10 @@ def search(monkeypatch):
 
     def solve_level(level, **options):
         seen.levels.append(level.max_timesteps)
-        told = types.SimpleNamespace(plans=256, won=0, distance=1.0, seconds=2.4)
-        options["report"](told)
+        told = {"plans": 256, "won": 0, "distance": 1.0, "compiling": 9.3}
+        options["report"](types.SimpleNamespace(**told, seconds=0.0, compiled=False))
+        for _ in range(5):
+            options["report"](types.SimpleNamespace(**told, seconds=2.4, compiled=True))
         return None if level.max_timesteps % 2 else SOLUTION
 
     module.solving_env, module.solve_level = solving_env, solve_level
@@ -165,7 +167,13 @@ def test_what_nothing_can_win_is_said_at_once(search, folder, capsys, role, chan
 
 def test_no_more_seconds_are_claimed_than_were_searched(search, folder, capsys):
     assert main(["solve", str(folder / "11.json"), "--seconds", "60"]) == 1
-    assert "no solution found in 2 s, 256 plans tried" in capsys.readouterr().err
+    said = capsys.readouterr().err
+    assert "no solution found in 2 s of search and 9 s of compiling, 256 plans tried" in said
+
+
+def test_rounds_that_bring_nothing_new_are_told_once_a_second(search, folder, capsys):
+    main(["solve", str(folder / "11.json")])
+    assert capsys.readouterr().err.count("256 plans in 2 s") == 1
 
 
 def test_of_a_folder_what_cannot_be_read_is_left_out_with_a_sentence(search, folder, capsys):

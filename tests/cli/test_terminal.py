@@ -3,8 +3,10 @@
 import subprocess
 import sys
 import time
+import types
 
 from kinetix.cli import terminal as terminals
+from kinetix.cli.measured import watched
 from kinetix.cli.terminal import Terminal, announced, counted
 from kinetix.training import telling
 from kinetix.training.telling import now_and_then
@@ -85,3 +87,13 @@ def test_a_command_goes_on_when_nobody_reads_it_any_more(tmp_path):
         process.stdin.flush()
         assert process.wait() == 0
     assert ends.exists()
+
+
+def test_of_a_measurement_of_nothing_there_is_no_progress(capsys):
+    def measured(total):
+        yield types.SimpleNamespace(done=0, total=total)
+
+    assert watched(measured(0)).total == 0
+    assert capsys.readouterr().err == ""
+    watched(measured(2))
+    assert "0 of 2 episodes" in capsys.readouterr().err

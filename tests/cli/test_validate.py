@@ -61,6 +61,19 @@ def test_a_missing_file_and_no_file(tmp_path, capsys):
     assert main(["validate"]) == 2
 
 
+def test_a_set_without_levels_is_refused_as_by_the_other_commands(tmp_path, capsys):
+    empty = tmp_path / "empty.json"
+    tree = {"format": "kinetix-levelset", "version": 1, "name": "empty", "seed": 0}
+    empty.write_text(json.dumps(tree | {"engine_version": "0.1.0", "levels": []}))
+    assert main(["validate", str(empty)]) == 1
+    assert "error E001 $.levels: Expected levels in this set" in capsys.readouterr().out
+    assert main(["levelset", "split", str(empty), "--seed", "1"]) == 1
+    assert "expected levels, found none" in capsys.readouterr().err
+    assert [path.name for path in tmp_path.iterdir()] == ["empty.json"]
+    assert main(["levelset", "split", str(tmp_path / "none.json"), "--seed", "1"]) == 1
+    assert "there is no such level set" in capsys.readouterr().err
+
+
 def test_folders_and_sets(tmp_path, capsys):
     out = tmp_path / "set.json"
     assert main(["levelset", "build", str(out), "--levels", str(CART)]) == 0

@@ -127,6 +127,11 @@ TEXTS = {
     "digits": (change(EVERYTHING, "300", "3" * 5000), "E001", "thousands of digits"),
     "mark": ("\ufeff" + EVERYTHING, "E001", "byte-order mark"),
     "other": ('{"format": "tiled"}', "E002", r'\$\.format: expected "kinetix-level", got "tiled"'),
+    "nearly": (
+        '{"format": "kinetix-level-set", "levels": []}',
+        "E002",
+        r'expected "kinetix-level" \("kinetix-levelset" for a level set\), got "kinetix-level-set"',
+    ),
     "nothing": ("{}", "E002", "kinetix-level.*env_state"),
     "set": ('{"format": "kinetix-levelset"}', "E002", "this is a level set"),
 }

@@ -117,8 +117,8 @@ CASES = {
     ),
     "W216": (
         with_green(collision="ghost"),
-        "Green and blue can never touch (by their collision, or as parts of the arena): "
-        "the level cannot be won.",
+        "Green and blue can never touch (by their collision, as parts of the arena, or held apart "
+        "by welds): the level cannot be won.",
     ),
     "W209": (with_joint(anchor_a=(3, 0.02)), "Joint 8: anchor mismatch 0.02 m"),
 }
@@ -262,6 +262,30 @@ def test_a_goal_that_the_engine_never_looks_at_cannot_be_met():
     assert codes(GOOD.replace(bodies=(ghost, BLUE), arena=blue_floor)) == ["E103"]
 
 
+def test_a_goal_that_welds_keep_away_cannot_be_met():
+    weld = {"kind": "fixed", "anchor_a": (1.5, 0), "anchor_b": (-1.5, 0)}
+    assert codes(with_joint(**weld)) == ["W216"]
+    assert codes(with_joint(**weld | {"kind": "revolute"})) == []
+    # A weld that is drawn apart moves them.
+    assert codes(with_joint(**weld | {"anchor_a": (-1.4, 0)})) == ["W209"]
+    near = {"anchor_a": (0.2, 0), "anchor_b": (-0.205, 0)}
+    assert (
+        codes(with_joint(**weld | near).replace(bodies=(GREEN, BLUE.replace(position=(1.405, 2)))))
+        == []
+    )
+    # By way of another shape.
+    bar = with_body(position=(2.5, 2))
+    welds = (
+        Joint(id=10, kind="fixed", a=1, b=9, anchor_a=(0.75, 0), anchor_b=(-0.75, 0)),
+        Joint(id=11, kind="fixed", a=9, b=2, anchor_a=(0.75, 0), anchor_b=(-0.75, 0)),
+    )
+    assert codes(bar.replace(joints=welds, next_id=12)) == ["W216"]
+    assert codes(bar.replace(joints=welds[:1], next_id=12)) == []
+    other = BLUE.replace(id=20, position=(4, 4))
+    bodies = (GREEN, BLUE, other)
+    assert "W216" not in codes(with_joint(**weld).replace(bodies=bodies, next_id=21))
+
+
 def test_jointed_and_fixed_bodies_do_not_push_each_other_apart():
     overlapping = with_body(position=(2.5, 0.5))
     assert codes(overlapping) == ["W202"]
@@ -278,8 +302,8 @@ def test_jointed_and_fixed_bodies_do_not_push_each_other_apart():
 
 def test_welds_hide_motors_and_limits():
     weld = with_joint(kind="fixed", motor=Motor(speed=0), limits=Limits(min=1, max=-1))
-    assert codes(weld) == []
-    assert codes(weld.replace(thrusters=())) == ["W201"]
+    assert codes(weld) == ["W216"]
+    assert codes(weld.replace(thrusters=())) == ["W201", "W216"]
     assert codes(with_joint(limits=Limits(min=-4, max=4))) == ["W205"]
     assert codes(with_joint(limits=Limits(on=False, min=1, max=-1))) == []
 
@@ -296,7 +320,7 @@ def test_limits_that_exclude_the_drawn_angle_count_whole_turns():
     assert found(Limits(min=math.radians(-2), max=math.radians(-1.1))) == ["W215"]
     assert found(Limits(min=1, max=-1)) == ["W205"]
     assert found(Limits(on=False, min=1, max=2)) == []
-    assert found(Limits(min=1, max=2), kind="fixed") == []
+    assert found(Limits(min=1, max=2), kind="fixed") == ["W216"]
     fixed = with_joint(a="floor", anchor_a=(1.5, 6.8), limits=Limits(min=1, max=2))
     fixed = fixed.replace(bodies=(GREEN, BLUE.replace(fixed=True)))
     assert codes(fixed) == ["W207"]

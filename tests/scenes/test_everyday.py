@@ -38,7 +38,7 @@ def test_scenes_fit_their_room_and_take_them_in_turn(name):
 def test_nothing_overlaps_at_the_start(name):
     for number in NUMBERS:
         level = draw(name, number, 0).trial.level
-        component = components(level)
+        component = components(level.joints)
         bodies = [(body.id, body) for body in level.bodies]
         bodies += list(zip(ARENA_NAMES, arena_bodies(level.arena), strict=True))
         for a, b in itertools.combinations(bodies, 2):

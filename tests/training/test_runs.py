@@ -82,6 +82,7 @@ def test_a_length_that_is_behind_a_run_changes_nothing(finished, tmp_path):
     before = (done / "config.toml").read_text()
     train("ppo", _config("ppo", dummy_env=True, total_timesteps=8 * 4), done, say=told.append)
     assert any("nothing is left to do" in words for words in told)
+    assert not any("now it is" in words for words in told)
     assert (done / "config.toml").read_text() == before
 
 

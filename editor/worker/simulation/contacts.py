@@ -26,7 +26,7 @@ Pair = tuple[BodyReference, BodyReference]
 
 def pushing_pairs(level: Level) -> frozenset[Pair]:
     """The pairs of bodies that can push each other, both ways round."""
-    component = components(level)
+    component = components(level.joints)
     bodies: list[tuple[BodyReference, Body]] = [(body.id, body) for body in level.bodies]
     for name in ARENA_NAMES:
         bodies.append((name, arena_body(level.arena, name)))

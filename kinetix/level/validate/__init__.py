@@ -38,7 +38,6 @@ def validate(level: Level) -> tuple[Issue, ...]:
     broken: set[BodyReference] = {reference for issue in issues for reference in issue.ids}
     for check in (
         identity_issues,
-        role_issues,
         reference_issues,
         size_issues,
         control_issues,
@@ -47,6 +46,7 @@ def validate(level: Level) -> tuple[Issue, ...]:
     ):
         issues += check(level)
     placed = placed_bodies(level, broken)
+    issues += role_issues(level, placed)
     issues += joint_issues(level, placed, broken)
     issues += pair_issues(level, placed)
     issues += place_issues(level, placed)

@@ -27,7 +27,7 @@ def pair_issues(level: Level, placed: list[Placed]) -> Iterator[Issue]:
 
     A touch with red (E105) beats one with blue (E104), as in the game.
     """
-    component = components(level)
+    component = components(level.joints)
     capacity = capacity_of(level)
     room = touching_points(capacity.polygons - ARENA_BODIES, capacity.circles)
     contacts = overlaps = 0

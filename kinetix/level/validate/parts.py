@@ -5,8 +5,8 @@ from collections import defaultdict
 from collections.abc import Iterator
 from typing import Final
 
-from kinetix.level.geometry import arena_bodies, to_world
-from kinetix.level.graph import modes_meet
+from kinetix.level.geometry import arena_bodies, overlap_depth, to_world
+from kinetix.level.graph import components, modes_meet
 from kinetix.level.model import ARENA_NAMES, Body, BodyReference, Joint, Level
 from kinetix.level.sizes import capacity_of, needed_capacity, shortages
 from kinetix.level.validate.issue import Issue, capital, describe, issue
@@ -18,12 +18,18 @@ ANGLE_TOLERANCE: Final = 1e-3
 """Difference of a weld's angle from the one that it holds that counts as none [rad]."""
 LIMIT_TOLERANCE: Final = math.radians(1.0)
 """A hinge that is drawn less than this outside its limits gets no warning [rad]."""
+GIVE: Final = 0.01
+"""Welded bodies that are drawn further apart never touch: a weld gives less under a blow [m]."""
 
 
-def role_issues(level: Level) -> Iterator[Issue]:
+def role_issues(level: Level, placed: list[Placed]) -> Iterator[Issue]:
     """Yield what is wrong with green and blue: none, several, or never touching.
 
     E101 to E103, W204 and W216.
+
+    Args:
+        level: The level.
+        placed: Those of its bodies that have a place.
     """
     holders: defaultdict[str, list[tuple[BodyReference, Body]]] = defaultdict(list)
     for name, body in zip(ARENA_NAMES, arena_bodies(level.arena), strict=True):
@@ -45,10 +51,11 @@ def role_issues(level: Level) -> Iterator[Issue]:
         yield issue("E103", message, ids=ids, fix="Keep first")
     if not (green and blue):
         return
-    if not any(_can_touch(a, b) for a in green for b in blue):
+    held = _held(level, placed)
+    if not any(_can_touch(a, b, held) for a in green for b in blue):
         message = (
-            "Green and blue can never touch (by their collision, or as parts of the arena): "
-            "the level cannot be won."
+            "Green and blue can never touch (by their collision, as parts of the arena, or held "
+            "apart by welds): the level cannot be won."
         )
         yield issue("W216", message, ids=ids)
     elif all(body.fixed for _, body in (*green, *blue)):
@@ -56,10 +63,36 @@ def role_issues(level: Level) -> Iterator[Issue]:
         yield issue("W204", message, ids=ids)
 
 
-def _can_touch(a: tuple[BodyReference, Body], b: tuple[BodyReference, Body]) -> bool:
-    """Return whether the engine looks at a pair at all; it never does within the arena."""
+def _can_touch(
+    a: tuple[BodyReference, Body],
+    b: tuple[BodyReference, Body],
+    held: dict[BodyReference, BodyReference],
+) -> bool:
+    """Return whether a pair may ever touch: the engine looks at it, and no welds keep it apart."""
     within = isinstance(a[0], str) and isinstance(b[0], str)
-    return not within and modes_meet(a[1], b[1])
+    if within or not modes_meet(a[1], b[1]):
+        return False
+    rigid = a[0] in held and held[a[0]] == held.get(b[0])
+    return not rigid or overlap_depth(a[1], b[1]) > -GIVE
+
+
+def _held(level: Level, placed: list[Placed]) -> dict[BodyReference, BodyReference]:
+    """For every body that welds hold where it is drawn a representative of those it is held to."""
+    bodies = {each.reference: each.body for each in placed}
+    welds: list[Joint] = []
+    for joint in level.joints:
+        a, b = bodies.get(joint.a), bodies.get(joint.b)
+        if joint.kind == "fixed" and a is not None and b is not None:
+            gap, turn = _misfit(joint, a, b)
+            if gap <= ANCHOR_TOLERANCE and abs(turn) <= ANGLE_TOLERANCE:
+                welds.append(joint)
+    return components(welds)
+
+
+def _misfit(joint: Joint, a: Body, b: Body) -> tuple[float, float]:
+    """Return how far its anchors are apart [m], and the drawn angle from its reference [rad]."""
+    gap = math.dist(to_world(a, joint.anchor_a), to_world(b, joint.anchor_b))
+    return gap, b.angle - a.angle - joint.reference_angle
 
 
 def reference_issues(level: Level) -> Iterator[Issue]:
@@ -107,11 +140,10 @@ def joint_issues(level: Level, placed: list[Placed], broken: set[BodyReference])
         if a.fixed and b.fixed:
             message = f"{name} between two fixed shapes has no effect."
             yield issue("W207", message, path=path, ids=(joint.id,))
-        gap = math.dist(to_world(a, joint.anchor_a), to_world(b, joint.anchor_b))
+        gap, turn = _misfit(joint, a, b)
         if gap > ANCHOR_TOLERANCE and not (a.fixed and b.fixed):
             message = f"{name}: anchor mismatch {gap:.3g} m, will be pulled together."
             yield issue("W209", message, path=path, ids=(joint.id,), fix="Re-anchor")
-        turn = b.angle - a.angle - joint.reference_angle
         if joint.kind == "revolute":
             yield from _limit_issues(joint, path)
             if not (a.fixed and b.fixed):
