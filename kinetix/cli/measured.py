@@ -1,13 +1,12 @@
 """Measuring players: the levels, each once, the progress, and the rates of the parts of a set."""
 
 import contextlib
-import itertools
 import sys
 from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING
 
 from kinetix.agents.results import LevelFailure, LevelResult, rates_of_parts
-from kinetix.cli.terminal import Terminal, announced
+from kinetix.cli.terminal import Terminal
 from kinetix.level.sets import SetLevel, distinct, gather_levels
 from kinetix.wording import plural
 
@@ -51,10 +50,8 @@ def watched(measuring: "Iterable[Progress]", who: str = "") -> "Progress":
     """
     begin, last = f"{who}: " if who else "", None
     with contextlib.closing(Terminal()) as terminal:
-        compiling = f"{begin}compiling the player and the step"
-        with announced(compiling, say=terminal.status):
-            first = list(itertools.islice(measuring := iter(measuring), 1))
-        for last in itertools.chain(first, measuring):
+        terminal.status(f"{begin}compiling the player and the step")
+        for last in measuring:
             if last.total:  # none where no level can be played
                 terminal.status(f"{begin}{last.done} of {plural(last.total, 'episode')}")
     assert last is not None
