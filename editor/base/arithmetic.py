@@ -42,7 +42,7 @@ _OTHER_UNITS: Final[dict[str, dict[str, float]]] = {
     "°": {"rad": 180.0 / math.pi},
     "rad": {"°": math.pi / 180.0},
 }
-"""What may be typed in a field of a unit, and how many of the field's make one; also per second."""
+"""By a field's unit: the others that it takes, each in the field's own; also per second."""
 _CHANGES: Final[dict[str, Callable[[float, float], float]]] = {
     "+": operator.add,
     "-": operator.sub,

@@ -1,4 +1,4 @@
-"""How the last episode by hand ended."""
+"""The last episode that ended, so that no end is counted twice."""
 
 from dataclasses import dataclass
 
@@ -8,7 +8,7 @@ from editor.worker.recording import Snapshot
 
 @dataclass
 class LastEnd:
-    """The last end that was noticed, so that none is counted twice."""
+    """What was noted of it."""
 
     episode: int = -1
     """The last episode whose end was kept in the results."""

@@ -1,4 +1,4 @@
-"""How far closing the app has come."""
+"""Closing the app: a question first, then perhaps a wait for files."""
 
 from dataclasses import dataclass
 
@@ -8,7 +8,7 @@ from kinetix.level.model import Level
 
 @dataclass
 class Closing:
-    """What was asked when somebody closed the app, and what the app waits for since."""
+    """The state of it; nothing is set while nobody closes the app."""
 
     question: Prompt | None = None
     """The last question that closing asked."""

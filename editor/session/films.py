@@ -8,7 +8,7 @@ from editor.worker.requests import ExportFilm
 
 @dataclass
 class Films:
-    """What is being filmed, and what could not be written."""
+    """The film that is being recorded, and films that could not be written."""
 
     recording: Recording | None = None
     """The film that is being recorded, or None."""

@@ -130,9 +130,9 @@ class Session:
         self.time = 0.0
         """The session's clock [s]."""
         self.closing = Closing()
-        """How far closing the app has come."""
+        """Its question, its wait, and whether the app may end."""
         self.last_end = LastEnd()
-        """How the last episode by hand ended."""
+        """The last episode that ended."""
         self.films = Films()
         """Films that are not in their files yet."""
         self.discarded: tuple[Trashed, ...] = ()

@@ -30,7 +30,7 @@ from kinetix.pytree import pytree
 
 @pytree
 class WayLeft:
-    """How far each body may move in a step; jointed bodies stop together."""
+    """What walls leave of the way of each body in a step; jointed bodies keep the same share."""
 
     share: Float[Array, "b n"]
     """Of the way; 1 where nothing is in it."""

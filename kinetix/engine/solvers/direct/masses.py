@@ -44,8 +44,8 @@ def effective_masses(
         about = jnp.where(other > 0, 1, mass / nonzero(mass + dot(arm, arm) * inertia))
         stiffness += sign * onto(dot(arm, force) * about, body, count)
     swing = h**2 * jnp.maximum(stiffness, 0) * inverse_inertia
-    known_after = min(substeps, constants.MOST_LATE) ** 2
-    angular = inverse_inertia / jnp.maximum(1, known_after * swing)
+    late = min(substeps, constants.MOST_LATE)
+    angular = inverse_inertia / jnp.maximum(1, late**2 * swing)
     masses = Masses(linear=bodies.inverse_mass, angular=angular)
     return masses, jnp.clip((constants.TAUT - swing) / (0.8 * constants.TAUT), 0, 1)
 
