@@ -10,6 +10,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
+from kinetix.engine import constants
 from kinetix.engine.batch import lowered, worlds_last
 from kinetix.engine.batch.described import NotOurs, described
 from kinetix.engine.spec import Capacity
@@ -56,6 +57,13 @@ def test_the_next_process_neither_traces_nor_lowers(folder, monkeypatch) -> None
     many()(VALUES[:2])  # other shapes are another program
     many(3.0)(VALUES)
     assert len(made) == len(list(folder.iterdir())) == 3
+
+
+def test_a_constant_that_somebody_changes_is_another_program(folder, monkeypatch) -> None:
+    check(many()(VALUES))
+    monkeypatch.setattr(constants, "TAUT", 2 * constants.TAUT)
+    check(many()(VALUES))
+    assert len(list(folder.iterdir())) == 2
 
 
 @pytest.mark.parametrize("damage", [b"", b"\x78\x01damaged", None])

@@ -20,6 +20,7 @@ import jaxlib.version
 from jax import export
 from jaxtyping import Array
 
+from kinetix.engine import constants
 from kinetix.engine.batch.program import shaped
 from kinetix.files.caches import CACHES, bound, cache_folder
 from kinetix.files.kept import read_kept, write_kept
@@ -49,8 +50,15 @@ def from_disk(
     if _INSIDE.get() or _declined():
         return None
     settings = tuple(jax.config.values[name] for name in _SETTINGS)
-    kept = _lowered(f"{words} {settings}", run, tuple(shaped(x.shape, x) for x in leaves))
+    kept = _lowered(
+        f"{words} {settings} {_constants()}", run, tuple(shaped(x.shape, x) for x in leaves)
+    )
     return None if kept is None else list(kept.call(*leaves))
+
+
+def _constants() -> dict[str, Any]:
+    """Return the engine's constants as they are now: somebody may try out other values."""
+    return {name: value for name, value in vars(constants).items() if name.isupper()}
 
 
 def _declined() -> bool:
