@@ -18,6 +18,7 @@ from editor.documents.old_names import OldNames
 from editor.gallery.kept_set import KeptSet
 from editor.gallery.results import Results
 from editor.session import Session
+from editor.worker.jobs import keep_what_was_compiled
 from kinetix.command_line.parse import parse
 from kinetix.errors import KinetixError
 from kinetix.failures import Terminated, ending_signals, guarded, leave, signals_to, terminable
@@ -152,6 +153,8 @@ def _run(options: Options) -> int:
         session.autosaves.end()
         host.close()
         stop(session)
+        if not alone:
+            keep_what_was_compiled()
     return status
 
 

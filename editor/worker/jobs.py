@@ -118,6 +118,17 @@ def perform_in_simulation(request: Request, progress: Progress) -> Any:
     return simulation.perform(request, progress)
 
 
+def keep_what_was_compiled() -> None:
+    """Write the steps that were compiled to disk, where the simulation has been used at all.
+
+    A tenth of a second for each. Whoever leaves soon, or out of Play, finds them the next time.
+    """
+    if "editor.worker.simulation.perform" in sys.modules:
+        from editor.worker.simulation import keep_programs
+
+        keep_programs()
+
+
 PREPARATIONS: Final = "preparations"
 """The lane of what is compiled ahead."""
 _LANES: Final[dict[type, str]] = {

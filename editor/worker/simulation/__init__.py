@@ -1,9 +1,10 @@
 """The one bridge to JAX: does what a job asks for. Only `editor.worker.jobs` imports it."""
 
 from editor.worker.simulation.perform import perform
+from editor.worker.simulation.stepping import keep_programs
 from kinetix.cores import stay_on_processor, use_all_cores
 
-__all__ = ["perform", "start"]
+__all__ = ["keep_programs", "perform", "start"]
 
 
 def start() -> None:

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 
+from editor.worker.jobs import keep_what_was_compiled
 from editor.worker.requests import Cancelled
 from editor.worker.simulation import disk
 from editor.worker.simulation.compiling import FULL, QUICK, Pace, Programs, Recipe, slowing
@@ -178,6 +179,18 @@ def test_a_program_comes_back_from_disk_and_a_broken_one_is_thrown_away(cache):
     path.write_bytes(path.read_bytes()[:-20])
     assert disk.load("double", arguments, results) is None
     assert not disk.has("double")
+
+
+def test_steps_are_written_when_the_app_is_left(cache, monkeypatch):
+    from editor.worker.simulation import stepping
+    from kinetix import StaticEnvParams
+
+    key = stepping.StepKey(static=StaticEnvParams(), tier=QUICK)
+    monkeypatch.setattr(stepping.PROGRAMS, "fresh", [(key, doubling()[0])])
+    monkeypatch.setattr(stepping, "tidy_caches", lambda: None)
+    keep_what_was_compiled()
+    assert disk.has(key)
+    assert not stepping.PROGRAMS.fresh
 
 
 def test_programs_come_back_from_a_cache_that_can_only_be_read(cache, monkeypatch):
