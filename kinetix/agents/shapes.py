@@ -58,6 +58,8 @@ def observations_of_card(
         "permutation_invariant_mlp",
     ) and card.observation.type.endswith("entity"):
         options.setdefault("attention", False)
+    if card.network.kind == "relational":
+        options.setdefault("from_upper_corner", True)
     return OBSERVATIONS[card.observation.type](layout=layout, **options)
 
 

@@ -29,7 +29,7 @@ from kinetix.agents.networks.relational import (
     _THRUSTER_WITHOUT_KEYS,
     _WEIGHTS,
 )
-from kinetix.agents.shapes import init_parameters
+from kinetix.agents.shapes import init_parameters, observations_of_card
 from kinetix.environment.actions import ACTIONS
 from kinetix.environment.observations import EntityObservations, Layout
 from kinetix.environment.params import EnvParams, StaticEnvParams, static_env_params_from_size
@@ -184,3 +184,12 @@ def test_it_is_saved_and_loaded_but_not_as_an_agent_of_kinetix_env(tmp_path):
     assert loaded.card.plays_any_capacity
     with pytest.raises(CheckpointError, match="has no relational network"):
         save_agent(agent, tmp_path / "other", format="kinetix-env")
+
+
+def test_it_sees_lists_of_corners_from_an_upper_one_on():
+    def sees(kind):
+        card = AgentCard(name="", network=dataclasses.replace(_CONFIG, kind=kind))
+        return observations_of_card(card, EnvParams(), StaticEnvParams()).from_upper_corner
+
+    assert sees("relational")
+    assert not sees("entity_transformer")

@@ -9,6 +9,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
+from kinetix.engine.spec import ARENA_BODIES
 from kinetix.environment.env import KinetixEnv, make_kinetix_env
 from kinetix.environment.inverse import state_from_entities, state_from_flat
 from kinetix.environment.named import make_named_env
@@ -196,6 +197,26 @@ def test_swapped_anchors_of_the_other_dialect(layout: Layout, moving: EnvState) 
     np.testing.assert_array_equal(theirs[:, 2:4], ours[:, 4:6])
     np.testing.assert_array_equal(theirs[:, 4:6], ours[:, 2:4])
     np.testing.assert_array_equal(theirs[:, 6:], ours[:, 6:])
+
+
+def begun_later(state: EnvState, corners: int) -> EnvState:
+    """The same scene, all of whose polygons but the arena's list their corners from a later one."""
+    bodies = state.world.bodies
+    arena, others = np.split(np.asarray(bodies.vertices), [ARENA_BODIES])
+    vertices = jnp.asarray(np.concatenate([arena, np.roll(others, -corners, axis=1)]))
+    bodies = dataclasses.replace(bodies, vertices=vertices)
+    return dataclasses.replace(state, world=dataclasses.replace(state.world, bodies=bodies))
+
+
+def test_lists_of_four_corners_are_seen_from_an_upper_one(layout: Layout, moving: EnvState) -> None:
+    plain = EntityObservations(layout=layout)
+    upper = EntityObservations(layout=layout, from_upper_corner=True)
+    listed = [seen(upper, begun_later(moving, corners)).polygons for corners in range(4)]
+    as_is = seen(plain, moving).polygons
+    assert not np.array_equal(seen(plain, begun_later(moving, 2)).polygons, as_is)
+    for from_upper_right in (0, 1, 2):
+        np.testing.assert_array_equal(listed[from_upper_right], as_is)
+    np.testing.assert_array_equal(listed[3], seen(plain, begun_later(moving, 3)).polygons)
 
 
 def test_states_come_back_from_observations(

@@ -7,6 +7,7 @@ from typing import ClassVar, NamedTuple
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 
+from kinetix.engine.types import World
 from kinetix.environment.goal import touch_matrix
 from kinetix.environment.observations.base import AbstractObservation
 from kinetix.environment.observations.features import Feature
@@ -62,6 +63,9 @@ class EntityObservations(AbstractObservation):
     of a candidate pair to the second (Kinetix)."""
     js_anchor_order: bool = False
     """True if a joint's anchors stand in Kinetix.js's order, swapped against the indices."""
+    from_upper_corner: bool = False
+    """True if a list of four corners that begins at a lower one is seen from the upper right one
+    on: levels differ in where they begin, and nothing moves otherwise for it."""
 
     @property
     def space(self) -> Dict:
@@ -121,6 +125,8 @@ class EntityObservations(AbstractObservation):
             labels=finite(state.labels),
         )
         world, polygons = state.world, layout.capacity.polygons
+        if self.from_upper_corner:
+            state = dataclasses.replace(state, world=_from_upper_corner(world))
         polygon_rows, circle_rows = body_rows(state, layout)
         from_b, from_a = joint_rows(state, layout)
         if self.js_anchor_order:
@@ -149,6 +155,18 @@ class EntityObservations(AbstractObservation):
             contact = contact | contact.T
         planes = [both, ~state.world.collides & both, _joined(state) & both, contact & both]
         return jnp.stack(planes)
+
+
+def _from_upper_corner(world: World) -> World:
+    bodies = world.bodies
+    x, y = bodies.vertices[:, 0, 0], bodies.vertices[:, 0, 1]
+    is_lower = (y < 0) & (bodies.vertex_count == 4)
+    vertices = bodies.vertices
+    # Clockwise from the lower right corner, the upper right one is last; from the left one, third.
+    for corners_back, begins_there in ((1, is_lower & (x > 0)), (2, is_lower & (x <= 0))):
+        turned = jnp.roll(bodies.vertices, corners_back, axis=1)
+        vertices = jnp.where(begins_there[:, None, None], turned, vertices)
+    return dataclasses.replace(world, bodies=dataclasses.replace(bodies, vertices=vertices))
 
 
 def _with_gravity(rows: Float[Array, "e f"], gravity: Float[Array, ""]) -> Float[Array, "e g"]:
