@@ -105,7 +105,7 @@ class MoveEach:
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Rotate:
-    """Turns bodies about a point."""
+    """Turns bodies about a point, their motion at the start with them."""
 
     ids: Selection
     angle: float
@@ -133,7 +133,9 @@ class Rotate:
             offset = (body.position[0] - pivot[0], body.position[1] - pivot[1])
             x, y = rotate(offset, self.angle)
             return body.replace(
-                position=(pivot[0] + x, pivot[1] + y), angle=body.angle + self.angle
+                position=(pivot[0] + x, pivot[1] + y),
+                angle=body.angle + self.angle,
+                velocity=rotate(body.velocity, self.angle),
             )
 
         after = unwound(level, with_bodies(level, self.ids, turned), self.ids)

@@ -296,6 +296,14 @@ def test_whole_turns_leave_shapes_at_the_angle_that_they_were_drawn_at(drawn, id
     assert limits is None or turn == pytest.approx(-0.5)
 
 
+def test_what_moves_at_the_start_moves_on_as_it_is_turned():
+    level = a_level()
+    start = level.replace(bodies=tuple(b.replace(velocity=(2.0, 0.0)) for b in level.bodies))
+    turned = Rotate(ids=(1, 2), angle=math.pi / 2).apply(start)
+    assert [turned.body(k).velocity for k in (1, 2)] == [pytest.approx((0.0, 2.0))] * 2
+    assert all(b.velocity == (2.0, 0.0) for b in turned.bodies if b.id not in (1, 2))
+
+
 def test_two_jointed_circles_get_a_radius_together():
     level = a_level()
     discs = tuple(
