@@ -121,6 +121,8 @@ def update_training(session: Session) -> None:
     name = training.run.name
     if not steps_in(training.run):
         _clear(training.run)
+        if session.viewer.run.path == str(training.run) and not os.path.exists(training.run):
+            session.viewer.run.watch("")
         session.toast(f"{name}: stopped before anything was learnt.")
         return
     taken = _wanted(session, training.run)
