@@ -7,6 +7,7 @@ from typing import Literal
 
 from editor.documents.commands.base import EntityId, Selection, count_label
 from editor.documents.commands.rigid import (
+    freed,
     reanchored,
     reanchored_each,
     reshaped,
@@ -235,7 +236,11 @@ def _resized(level: Level, ids: Selection, factors: Point, place: Callable[[Body
         ids,
         lambda b: b.replace(shape=shape(b.shape), position=place(b), mass_properties=None),
     )
-    return reanchored(with_parts(resized, ids, scaled), ids)
+    after = reanchored(with_parts(resized, ids, scaled), ids)
+    # A frame that is hardly off its centre of mass is further off in a larger shape.
+    for body in _chosen(after, ids):
+        after = freed(after, body.id)
+    return after
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
