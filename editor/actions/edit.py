@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterable
 from typing import Literal
 
 from editor.base.prompts import TextQuestion
-from editor.base.wording import plain_name
+from editor.base.wording import plain_name, title_of
 from editor.documents.commands import clip
 from editor.documents.commands.base import Command, Selection
 from editor.documents.commands.fields import PasteProperties, SetField
@@ -90,7 +90,7 @@ def paste(session: Session) -> None:
         document = Document(level)
         document.mark_unsaved()  # The clipboard will soon hold something else.
         session.open_tab(document)
-        session.toast(f"Opened {level.name} from the clipboard.", "success")
+        session.toast(f"Opened {title_of(level)} from the clipboard.", "success")
         return
     found = clip.loads(text)
     at = session.hands.cursor

@@ -8,6 +8,7 @@ from typing import Final
 
 from editor.actions import conflict, folders, moment, outside
 from editor.base.prompts import Choice, FileQuestion, Question
+from editor.base.wording import UNTITLED
 from editor.documents import files
 from editor.documents.document import Document, Format
 from editor.gallery import filing
@@ -16,7 +17,7 @@ from kinetix.errors import CommandError, LevelError
 from kinetix.level.codec import level_hash, resolve_path
 from kinetix.level.model import Level
 
-NEW_LEVEL: Final = Level(name="Untitled")
+NEW_LEVEL: Final = Level(name=UNTITLED)
 MESSAGE_LENGTH: Final = 600
 """Of a longer message the log has the rest [characters]."""
 

@@ -202,4 +202,5 @@ _BY_ENTITY = {
     "W209": _reanchor,
     "W213": _hold_as_drawn,
     "W215": _widen_limits,
+    "W217": _delete,
 }

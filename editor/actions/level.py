@@ -7,6 +7,7 @@ from pathlib import Path
 from editor.actions.agents import play_agent
 from editor.actions.file import open_in_front
 from editor.base.prompts import Choice, MenuQuestion
+from editor.base.wording import title_of
 from editor.documents.commands.base import Command
 from editor.documents.commands.level import Permute, ReplaceLevel
 from editor.documents.document import Document, same_simulation
@@ -121,7 +122,7 @@ def replace_later(
         elif same_simulation(level, before):
             session.complain(f"{title}: nothing was changed; try again.")
         elif session.execute(command(level), on=document).changed and (waited or not here):
-            session.toast(f"{title}: {document.level.name} was changed.")
+            session.toast(f"{title}: {title_of(document.level)} was changed.")
 
     def done(job: Job) -> None:
         if job.state is JobState.FAILED:

@@ -12,6 +12,7 @@ from editor.actions.agents import LONGEST_NAME, load_agent
 from editor.actions.measure import steps_in
 from editor.actions.watch import watch_run
 from editor.agents.local_training import BUSY, LOG
+from editor.base.wording import title_of
 from editor.session import Session
 from editor.worker.requests import BUILT_IN
 from kinetix.errors import CommandError
@@ -52,7 +53,7 @@ def train_here(session: Session) -> None:
     watch_run(session, str(run))
     session.viewer.follow_run = True
     session.toast(
-        f"Training on {level.name}: its newest attempt plays with F6 as soon as there is one.",
+        f"Training on {title_of(level)}: its newest attempt plays with F6 as soon as there is one.",
         "success",
     )
 
@@ -121,6 +122,8 @@ def update_training(session: Session) -> None:
     name = training.run.name
     if not steps_in(training.run):
         _clear(training.run)
+        if session.viewer.run.path == str(training.run) and not os.path.exists(training.run):
+            session.viewer.run.watch("")
         session.toast(f"{name}: stopped before anything was learnt.")
         return
     taken = _wanted(session, training.run)

@@ -59,6 +59,8 @@ PAD_ACTIONS: Final[Mapping[str, str]] = {
     "pad y": "run.reset",
 }
 """Other functions of a gamepad in Play; Start begins it."""
+PAD_NAMES: Final = frozenset({*PAD, *PAD_ACTIONS})
+"""Controls of a gamepad that mean something."""
 
 _GLYPHS: Final = {"left": "←", "right": "→", "up": "↑", "down": "↓"}
 

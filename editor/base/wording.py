@@ -18,6 +18,15 @@ ARENA_LABELS: Final = {
 }
 
 
+UNTITLED: Final = "Untitled"
+"""Name of every new level, which the app shows in its language."""
+
+
+def title_of(level: Level) -> str:
+    """Return what a level is called in the language of the app: by the name that it was given."""
+    return tr(UNTITLED) if level.name == UNTITLED else level.name
+
+
 def shape_name(body: Body) -> str:
     """Circle, triangle or rectangle (any four corners)."""
     if isinstance(body.shape, Circle):

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Final, Literal, TypeAlias
 
-from editor.base.wording import describe, spoken
+from editor.base.wording import describe, spoken, title_of
 from editor.documents.commands.base import Command, EntityId, Selection
 from editor.documents.history import Entry, History
 from kinetix.errors import CommandError
@@ -217,7 +217,7 @@ class Document:
     @property
     def title(self) -> str:
         """Title of the tab."""
-        return self.path.name if self.path else self.level.name
+        return self.path.name if self.path else title_of(self.level)
 
     @property
     def hash(self) -> str:

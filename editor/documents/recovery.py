@@ -8,6 +8,7 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
+from editor.base.wording import title_of
 from editor.documents import autosaves
 from editor.documents.document import Format, same_content
 from kinetix.errors import KinetixError
@@ -36,7 +37,7 @@ class Recovery:
     def summary(self) -> str:
         """Return its time and its differences from the file, for the question."""
         when = self.time.astimezone().strftime("%Y-%m-%d %H:%M")
-        name = self.path.name if self.path else self.level.name
+        name = self.path.name if self.path else title_of(self.level)
         return f"{name}, {when}: {self._differences()}"
 
     def _differences(self) -> str:

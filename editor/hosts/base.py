@@ -98,8 +98,6 @@ class Host(abc.ABC):
         # A window can be made as small as a line; what it shows is cut off then.
         io.display_size = imgui.ImVec2(*map(max, self.size, LEAST_SIZE))
         io.delta_time = max(dt, 1e-5)
-        if self.recorder is not None:
-            self.recorder.take(batch, dt, (self.size, self.ui.scale))
         if batch:
             self.session.hands.touched = time.monotonic()
         self._feeder.feed(batch)
@@ -108,6 +106,8 @@ class Host(abc.ABC):
                 if isinstance(event, _NOT_FOR_WIDGETS):
                     self.ui.notice(event)
             self.ui.before_frame()
+        if self.recorder is not None:
+            self.recorder.take(batch, dt, (self.size, self.ui.scale))
         self._renderer.new_frame()
         imgui.new_frame()
         self._draw(dt)

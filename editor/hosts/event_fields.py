@@ -1,9 +1,11 @@
 """Reads the fields of a script's events; a wrong value gets one sentence."""
 
+import math
 from collections.abc import Collection
 from typing import Any, Final
 
 from editor.base import events
+from editor.base.controls import PAD_NAMES
 from editor.base.settings import LARGEST_SIDE
 from editor.toolkit.keys import IMGUI
 from kinetix.errors import KinetixError
@@ -47,6 +49,22 @@ def count(event: Event) -> int:
     if count < 0:
         raise KinetixError(f"frames is {count}: expected 0 or more")
     return count
+
+
+def factor(event: Event) -> float:
+    """Return by how much an event's fingers have moved apart."""
+    factor = float(event["factor"])
+    if not 0 < factor < math.inf:
+        raise KinetixError(f"factor is {factor:g}: expected more than 0")
+    return factor
+
+
+def control(event: Event) -> str:
+    """Return the stick or button of an event's gamepad."""
+    told = event["control"]
+    if not isinstance(told, str) or told not in PAD_NAMES:
+        raise KinetixError(f"unknown control {told!r}; there are {', '.join(sorted(PAD_NAMES))}")
+    return told
 
 
 def known_key(name: str, more: Collection[str] = ()) -> str:

@@ -1,5 +1,6 @@
 """Writes what a person does in the window as a script that `--replay` plays again."""
 
+import itertools
 import json
 import os
 from collections.abc import Sequence
@@ -7,6 +8,7 @@ from pathlib import Path
 from typing import Any, Final, TypeAlias
 
 from editor.base import events
+from editor.base.controls import PAD_NAMES
 from editor.session import Session
 from editor.toolkit.keys import IMGUI, MODIFIERS
 from kinetix.errors import KinetixError
@@ -22,8 +24,13 @@ _COSTS: Final = {
     "down": (1, 3),
     "up": (1, 3),
     "wheel": (1, 3),
+    "pinch": (0, 2),
     "text": (0, 4),
     "key": (0, 2),
+    "pad": (0, 2),
+    "drop": (0, 2),
+    "focus": (0, 2),
+    "quit": (0, 2),
 }
 """Of each line: frames that the replay takes before it happens, and frames in all."""
 Look: TypeAlias = tuple[tuple[int, int], float]
@@ -69,20 +76,13 @@ class Recorder:
         """
         self._time += seconds
         self._seen = look
-        moves = [event for event in batch if _moves(event)]
-        for event in batch:
-            # Of many moves in one frame only the last is ever seen.
-            if not _moves(event) or event is moves[-1]:
+        for event, after in itertools.pairwise((*batch, None)):
+            # Of moves that follow each other in one frame only the last is ever seen.
+            if event is not None and not (_moves(event) and _moves(after)):
                 self._event(event)
 
     def _event(self, event: events.InputEvent) -> None:
         match event:
-            case events.PointerEvent(kind=events.Pointer.MOVE):
-                self._tell({"do": "move", "at": event.screen})
-            case events.PointerEvent(button=button) if button in _BUTTONS:
-                self._tell({"do": _VERBS[event.kind], "at": event.screen, "button": button})
-            case events.WheelEvent():
-                self._tell({"do": "wheel", "dy": event.dy, "at": event.screen})
             case events.TextEvent():
                 # Half of a surrogate pair is no text, and no field takes it.
                 text = event.text.encode("utf-8", "ignore").decode()
@@ -91,8 +91,12 @@ class Recorder:
             case events.KeyEvent():
                 self._key(event.key, event.pressed)
             case events.FocusEvent(focused=False):
-                for key in sorted(self._down):
-                    self._key(key, False)
+                self._down.clear()
+                self._tell({"do": "focus", "focused": False})
+            case _:
+                line = _line(event)
+                if line is not None:
+                    self._tell(line)
 
     def _key(self, key: str, pressed: bool) -> None:
         """A key that goes down or up; repetitions and keys without a name are left out."""
@@ -132,6 +136,28 @@ class Recorder:
             self._session.toast(f"{self._path}: the recording ends: {reason}", "error")
 
 
+def _line(event: events.InputEvent) -> dict[str, Any] | None:
+    """Return the line of an event that neither keys nor text make; None: it means nothing."""
+    match event:
+        case events.PointerEvent(kind=events.Pointer.MOVE):
+            return {"do": "move", "at": event.screen}
+        case events.PointerEvent(button=button) if button in _BUTTONS:
+            return {"do": _VERBS[event.kind], "at": event.screen, "button": button}
+        case events.WheelEvent():
+            # Hosts do not say where: it turns where the pointer is.
+            return {"do": "wheel", "dy": event.dy, **({"dx": event.dx} if event.dx else {})}
+        case events.PinchEvent():
+            return {"do": "pinch", "factor": event.factor, "at": event.screen}
+        case events.PadEvent() if event.control in PAD_NAMES:
+            return {"do": "pad", "control": event.control, "pressed": event.pressed}
+        case events.DropEvent():
+            return {"do": "drop", "file": event.path}
+        case events.QuitEvent():
+            return {"do": "quit"}
+        case _:
+            return None
+
+
 def _make_way(path: Path) -> None:
     """Begin a file; an earlier script stays as a backup.
 
@@ -153,5 +179,5 @@ def _is_event(line: str) -> bool:
     return isinstance(event, dict) and "do" in event
 
 
-def _moves(event: events.InputEvent) -> bool:
+def _moves(event: events.InputEvent | None) -> bool:
     return isinstance(event, events.PointerEvent) and event.kind is events.Pointer.MOVE

@@ -23,15 +23,13 @@ from editor.documents.document import Format
 from editor.editing.tools import TOOLS
 from editor.hosts import event_fields as fields
 from editor.hosts.base import Host
+from editor.hosts.conditions import CONDITIONS, PLAYED
 from editor.hosts.event_fields import Event
 from editor.hosts.film import Film
 from editor.hosts.headless import FRAME
 from editor.hosts.offscreen import OffscreenHost
-from editor.play.mode import Mode
-from editor.session import Session
 from editor.toolkit.keys import MODIFIERS
 from editor.toolkit.widgets import Probe
-from editor.worker.requests import WarmUp
 from kinetix.errors import KinetixError
 from kinetix.files.json_text import parse_strictly
 from kinetix.files.regular import FileError, read_text
@@ -77,9 +75,14 @@ class Replayer:
             "up": self._up,
             "drag": self._drag,
             "wheel": self._wheel,
+            "pinch": self._pinch,
             "key": self._press,
             "hold": self._hold,
             "text": self._text,
+            "pad": self._pad,
+            "drop": self._drop,
+            "focus": self._focus,
+            "quit": lambda _: self._step(events.QuitEvent()),
             "set": self._set,
             "wait": self._wait,
             "wait_until": self._wait_until,
@@ -174,9 +177,16 @@ class Replayer:
         if not address.open_any(self._session, event["file"]):
             raise KinetixError(" ".join(self._session.log.since(mark)) or "cannot be opened")
         self._frames(2)
+        self._await_loading()
+
+    def _await_loading(self) -> None:
+        """Wait for what comes from an address, and for agents."""
+        fetches, places = self._session.fetches, self._session.viewer.slots.values()
         until = time.monotonic() + _LOAD_SECONDS
-        while self._session.fetches.waiting and time.monotonic() < until:
-            time.sleep(0.01)
+        while fetches.waiting or any(place.loading for place in places):
+            if time.monotonic() > until:
+                break
+            time.sleep(0.02)
             self._step()
 
     def _save(self, event: Event) -> None:
@@ -196,10 +206,7 @@ class Replayer:
             raise KinetixError(f"unknown slot {slot!r}; there are {', '.join(SLOTS)}")
         agents.load_agent(session, event["dir"], slot)
         place = session.viewer.slots[slot]
-        until = time.monotonic() + _LOAD_SECONDS
-        while place.loading and time.monotonic() < until:
-            session.worker.wait(0.05)
-            self._step()
+        self._await_loading()
         if place.error or place.loading:
             raise KinetixError(place.error or f"not loaded after {_LOAD_SECONDS:g} s")
 
@@ -279,7 +286,11 @@ class Replayer:
 
     def _wheel(self, event: Event) -> None:
         self._move_to(self._place(event))
-        self._step(events.WheelEvent(dy=float(event["dy"]), screen=self._at))
+        dy, dx = float(event["dy"]), float(event.get("dx", 0.0))
+        self._step(events.WheelEvent(dy=dy, dx=dx, screen=self._at))
+
+    def _pinch(self, event: Event) -> None:
+        self._step(events.PinchEvent(factor=fields.factor(event), screen=self._place(event)))
 
     def _press(self, event: Event) -> None:
         if "pressed" in event:
@@ -304,6 +315,17 @@ class Replayer:
         self._step(events.TextEvent(text=str(event["text"])))
         self._frames(2)
 
+    def _pad(self, event: Event) -> None:
+        self._step(events.PadEvent(control=fields.control(event), pressed=bool(event["pressed"])))
+
+    def _drop(self, event: Event) -> None:
+        self._step(events.DropEvent(path=str(event["file"])))
+        self._await_loading()
+
+    def _focus(self, event: Event) -> None:
+        self._step(events.FocusEvent(focused=bool(event["focused"])))
+        self._buttons.clear()
+
     def _set(self, event: Event) -> None:
         session = self._session
         if not session.editing:
@@ -318,16 +340,16 @@ class Replayer:
 
     def _wait_until(self, event: Event) -> None:
         what, session = event["what"], self._session
-        if what not in _CONDITIONS:
-            raise KinetixError(f"unknown condition {what!r}; there are {', '.join(_CONDITIONS)}")
+        if what not in CONDITIONS:
+            raise KinetixError(f"unknown condition {what!r}; there are {', '.join(CONDITIONS)}")
         seconds = float(event.get("seconds", 60))
         if not seconds >= 0:
             raise KinetixError(f"seconds is {seconds:g}: expected 0 or more")
         began = time.monotonic()
         until = began + seconds
-        while not _CONDITIONS[what](session):
+        while not CONDITIONS[what](session):
             coming = session.expected is not None
-            if what in _PLAYED and session.editing and not coming:
+            if what in PLAYED and session.editing and not coming:
                 reason = session.playback.failure or "nothing is played: the app is in Edit"
                 raise KinetixError(f"{what} cannot come: {reason}")
             if time.monotonic() > until:
@@ -371,27 +393,3 @@ class Replayer:
 
 def _key(name: str, pressed: bool) -> events.KeyEvent:
     return events.KeyEvent(key=name, pressed=pressed)
-
-
-def _playing(session: Session) -> bool:
-    playback = session.playback
-    return session.mode is Mode.PLAYING and playback.step_count > 0 and not playback.waiting
-
-
-def _compiled(session: Session) -> bool:
-    """Nothing waits for the compiler any more."""
-    return not session.playback.waiting and not any(
-        isinstance(job.request, WarmUp) for job in session.worker.jobs
-    )
-
-
-_PLAYED: Final = frozenset({"playing", "ended"})
-"""States that only come while the app is out of Edit."""
-_CONDITIONS: Final[dict[str, Callable[[Session], bool]]] = {
-    "playing": _playing,
-    "compiled": _compiled,
-    "ended": lambda session: session.mode is Mode.ENDED,
-    "idle": lambda session: (
-        session.worker.idle and session.evaluator.idle and not session.library.busy
-    ),
-}

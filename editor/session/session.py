@@ -20,6 +20,7 @@ from editor.base.journal import Journal
 from editor.base.overlay import Mark
 from editor.base.prompts import Prompt
 from editor.base.settings import Settings, SettingsKeeper
+from editor.base.wording import UNTITLED
 from editor.documents.autosaves import Autosaves
 from editor.documents.commands.base import Command, EntityId, Selection
 from editor.documents.commands.bodies import posed
@@ -93,7 +94,7 @@ class Session:
         """True if Play may begin in a step that was compiled quickly; see `play_quickly`."""
         self.expected: Job | None = None
         """A job that the person waits for; its result is shown at once when it comes."""
-        self.tabs = Tabs(Document(level or Level(name="Untitled")))
+        self.tabs = Tabs(Document(level or Level(name=UNTITLED)))
         self.tool: Tool = TOOLS["select"]
         self.tool_kept = False
         """True if the tool stays after it has made something (its key was pressed twice)."""

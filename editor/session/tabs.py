@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import overload
 
 from editor.base.camera import Camera
+from editor.base.wording import UNTITLED
 from editor.documents.document import Document
 from editor.play.moment import Moment
 from kinetix.level.model import Level
@@ -79,7 +80,7 @@ class Tabs(Sequence[Tab]):
         index = self._tabs.index(tab)
         del self._tabs[index]
         if not self._tabs:
-            self._tabs.append(Tab(document=Document(Level(name="Untitled")), camera=tab.camera))
+            self._tabs.append(Tab(document=Document(Level(name=UNTITLED)), camera=tab.camera))
         if self.index_in_front > index or self.index_in_front >= len(self._tabs):
             self.index_in_front = max(self.index_in_front - 1, 0)
 

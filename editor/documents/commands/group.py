@@ -7,6 +7,7 @@ from typing import Literal
 
 from editor.documents.commands.base import EntityId, Selection, count_label
 from editor.documents.commands.rigid import (
+    freed,
     reanchored,
     reanchored_each,
     reshaped,
@@ -105,7 +106,7 @@ class MoveEach:
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Rotate:
-    """Turns bodies about a point."""
+    """Turns bodies about a point, their motion at the start with them."""
 
     ids: Selection
     angle: float
@@ -133,7 +134,9 @@ class Rotate:
             offset = (body.position[0] - pivot[0], body.position[1] - pivot[1])
             x, y = rotate(offset, self.angle)
             return body.replace(
-                position=(pivot[0] + x, pivot[1] + y), angle=body.angle + self.angle
+                position=(pivot[0] + x, pivot[1] + y),
+                angle=body.angle + self.angle,
+                velocity=rotate(body.velocity, self.angle),
             )
 
         after = unwound(level, with_bodies(level, self.ids, turned), self.ids)
@@ -233,7 +236,11 @@ def _resized(level: Level, ids: Selection, factors: Point, place: Callable[[Body
         ids,
         lambda b: b.replace(shape=shape(b.shape), position=place(b), mass_properties=None),
     )
-    return reanchored(with_parts(resized, ids, scaled), ids)
+    after = reanchored(with_parts(resized, ids, scaled), ids)
+    # A frame that is hardly off its centre of mass is further off in a larger shape.
+    for body in _chosen(after, ids):
+        after = freed(after, body.id)
+    return after
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)

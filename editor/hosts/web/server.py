@@ -7,7 +7,7 @@ import select
 import socket
 import sys
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from http import HTTPStatus
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
@@ -28,6 +28,7 @@ _DIGITS: Final = 10
 _SILENT_FOR: Final = 15_000
 """A page that does not answer the network for this time is gone [ms]."""
 TAKEN: Final = "Kinetix is open in another page: close that page, then try again here."
+_NO_MORE: Final[Mapping[str, str]] = {}
 _ASTRAY: Final = "Nothing is here: open the whole address that kinetix-editor has printed."
 _POLICY: Final = (
     "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; "
@@ -181,8 +182,12 @@ class _Handler(BaseHTTPRequestHandler):
         """Answer with the page, or with its stream."""
         place, viewer = self._place()
         if place == "":
+            # Terminals and chats leave the last slash out of a link.
+            secret = self.server.page_server.secret
+            self._say(HTTPStatus.PERMANENT_REDIRECT, b"", "text/plain", {"Location": f"{secret}/"})
+        elif place == "/":
             self._say(HTTPStatus.OK, _PAGE.read_bytes(), "text/html; charset=utf-8")
-        elif place == "stream" and viewer:
+        elif place == "/stream" and viewer:
             self._stream(viewer)
         else:
             self._refuse(HTTPStatus.NOT_FOUND, _ASTRAY)
@@ -191,7 +196,7 @@ class _Handler(BaseHTTPRequestHandler):
         """Take input from the page that has the seat."""
         place, viewer = self._place()
         page = self.server.page_server
-        if place != "input":
+        if place != "/input":
             self._refuse_unread(HTTPStatus.NOT_FOUND, _ASTRAY)
             return
         if not page.seat.holds(viewer):
@@ -216,7 +221,7 @@ class _Handler(BaseHTTPRequestHandler):
             self._say(HTTPStatus.NO_CONTENT, b"", "text/plain")
 
     def _place(self) -> tuple[str | None, str]:
-        """Return what is asked for below the secret, and the page's name; None: no right secret."""
+        """Return what stands behind the secret, and the page's name; None: no right secret."""
         try:
             parts = urlsplit(self.path)
         except ValueError:
@@ -225,17 +230,20 @@ class _Handler(BaseHTTPRequestHandler):
         secret, slash, place = rest.partition("/")
         right = hmac.compare_digest(secret.encode(), self.server.page_server.secret.encode())
         viewer = parse_qs(parts.query).get("viewer", [""])[0]
-        return (place if right and slash else None), viewer
+        return (slash + place if right else None), viewer
 
-    def _say(self, status: HTTPStatus, body: bytes, kind: str) -> None:
+    def _say(
+        self, status: HTTPStatus, body: bytes, kind: str, more: Mapping[str, str] = _NO_MORE
+    ) -> None:
         self.send_response(status)
-        for name, value in (
-            ("Content-Type", kind),
-            ("Cache-Control", "no-store"),
-            ("Referrer-Policy", "no-referrer"),
-            ("X-Content-Type-Options", "nosniff"),
-            ("Content-Security-Policy", _POLICY),
-        ):
+        headers = {
+            "Content-Type": kind,
+            "Cache-Control": "no-store",
+            "Referrer-Policy": "no-referrer",
+            "X-Content-Type-Options": "nosniff",
+            "Content-Security-Policy": _POLICY,
+        }
+        for name, value in {**headers, **more}.items():
             self.send_header(name, value)
         if status is not HTTPStatus.NO_CONTENT:
             self.send_header("Content-Length", str(len(body)))

@@ -129,9 +129,10 @@ def size_issues(level: Level) -> Iterator[Issue]:
 def joint_issues(level: Level, placed: list[Placed], broken: set[BodyReference]) -> Iterator[Issue]:
     """Yield joints that do nothing, are drawn apart or turned, senseless limits.
 
-    W205, W207, W209, W213 and W215.
+    W205, W207, W209, W213, W215 and W217.
     """
     bodies = {each.reference: each.body for each in placed}
+    held = _held(level, placed)
     for k, joint in enumerate(level.joints):
         path, a, b = f"$.joints[{k}]", bodies.get(joint.a), bodies.get(joint.b)
         if a is None or b is None or joint.a == joint.b or joint.id in broken:
@@ -148,6 +149,9 @@ def joint_issues(level: Level, placed: list[Placed], broken: set[BodyReference])
             yield from _limit_issues(joint, path)
             if not (a.fixed and b.fixed):
                 yield from _excluded_issues(joint, name, turn, path)
+                if joint.a in held and held[joint.a] == held.get(joint.b):
+                    message = f"{name} cannot turn: its shapes are welded together."
+                    yield issue("W217", message, path=path, ids=(joint.id,), fix="Delete")
             continue
         if abs(turn) > ANGLE_TOLERANCE and not (a.fixed and b.fixed):
             degrees = f"{abs(math.degrees(turn)):.3g}°"

@@ -655,6 +655,16 @@ ISSUES = {
         a_level().replace(joints=(a_level().joints[0].replace(limits=Limits(min=1.0, max=2.0)),)),
         "Widen limits",
     ),
+    "W217": (
+        a_level().replace(
+            joints=(
+                *a_level().joints,
+                a_level().joints[0].replace(id=50, kind="fixed", reference_angle=0.0),
+            ),
+            next_id=51,
+        ),
+        "Delete",
+    ),
     "W215 turned": (
         a_level().replace(
             joints=(

@@ -296,6 +296,27 @@ def test_whole_turns_leave_shapes_at_the_angle_that_they_were_drawn_at(drawn, id
     assert limits is None or turn == pytest.approx(-0.5)
 
 
+def test_what_moves_at_the_start_moves_on_as_it_is_turned():
+    level = a_level()
+    start = level.replace(bodies=tuple(b.replace(velocity=(2.0, 0.0)) for b in level.bodies))
+    turned = Rotate(ids=(1, 2), angle=math.pi / 2).apply(start)
+    assert [turned.body(k).velocity for k in (1, 2)] == [pytest.approx((0.0, 2.0))] * 2
+    assert all(b.velocity == (2.0, 0.0) for b in turned.bodies if b.id not in (1, 2))
+
+
+def test_a_frame_that_is_hardly_off_its_centre_is_put_there_as_the_shape_grows():
+    level = a_level()
+    off = Polygon(vertices=tuple((x + 5e-5, y) for x, y in level.body(1).shape.vertices))
+    level = level.replace(bodies=(level.body(1).replace(shape=off), *level.bodies[1:]))
+    assert "E107" not in {each.code for each in validate(level)}
+    grown = Scale(ids=(1, 2), factor=3.0, pivot=(2.0, 2.0)).apply(level)
+    assert "E107" not in {each.code for each in validate(grown)}
+    assert world_vertices(grown.body(1))[0] == pytest.approx((2.60015, 2.6))
+    (joint,), (thruster,) = grown.joints, grown.thrusters
+    assert to_world(grown.body(1), joint.anchor_a) == pytest.approx(grown.body(2).position)
+    assert to_world(grown.body(1), thruster.position) == pytest.approx((1.55, 2.3))
+
+
 def test_two_jointed_circles_get_a_radius_together():
     level = a_level()
     discs = tuple(

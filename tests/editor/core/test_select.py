@@ -261,6 +261,16 @@ def test_a_group_scales_uniformly(session, hand):
     assert gap(level, level.joints[0]) < 1e-6
 
 
+def test_a_group_grows_as_far_as_a_level_reaches(session, hand):
+    session.selection = (1, 2, 3)
+    hand.drag(handle(session, HandleKind.SCALE, 2), (90.0, 80.0))
+    level = session.document.level
+    assert max(level.body(3).position) == pytest.approx(15.0, abs=1e-3)
+    assert gap(level, level.joints[0]) < 1e-6
+    actions.run(session, "edit.undo")
+    assert level != session.document.level == a_level()
+
+
 def test_a_triangles_vertex_can_be_dragged():
     session = a_session(Level(name="Empty"))
     hand = Hand(session)

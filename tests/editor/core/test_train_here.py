@@ -97,6 +97,7 @@ def test_a_training_that_learnt_nothing_leaves_nothing(session, began):
     began[0][1].status = 143
     settle(session)
     assert list(run.parent.iterdir()) == []
+    assert session.viewer.run.path == ""  # else the panel misses its folder, in red
     actions.run(session, "agent.train_here")
     assert session.training.run == run
 

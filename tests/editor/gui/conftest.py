@@ -114,7 +114,7 @@ class Gui:
 
     def wheel(self, x: float, y: float, dy: float) -> None:
         self.move(x, y)
-        self.host.frames(1, WheelEvent(dy=dy, screen=(x, y)))
+        self.host.frames(1, WheelEvent(dy=dy))  # hosts do not say where
 
     def lose_focus(self) -> None:
         self.host.frames(1, FocusEvent(focused=False))

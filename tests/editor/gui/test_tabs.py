@@ -3,6 +3,7 @@
 import pytest
 
 from editor.actions import file
+from editor.base import language
 from editor.documents.document import Document
 from kinetix.level.model import Level
 from kinetix.paths import levels_dir
@@ -32,6 +33,15 @@ def test_a_file_that_takes_the_place_of_an_untouched_level_is_in_front(make_gui,
     gui.key("ctrl+a")
     gui.key("delete")
     assert gui.session.document.dirty, "keys went to another level"
+
+
+def test_a_level_without_a_name_is_called_so_in_the_language_of_the_app(gui):
+    gui.session.settings.language = "de"
+    gui.frames(4)
+    assert titles(gui) == ["Ohne Namen"] and "Ohne Namen" in gui.host.ui.window_title
+    assert gui.level.name == "Untitled"
+    language.use("en")
+    assert titles(gui) == ["Untitled"]
 
 
 def test_closing_a_tab_leaves_the_one_in_front_that_took_its_place(gui):

@@ -4,8 +4,21 @@ import json
 
 import pytest
 
-from editor.base.events import KeyEvent, TextEvent
+from editor.base.events import (
+    LEFT,
+    DropEvent,
+    FocusEvent,
+    KeyEvent,
+    PadEvent,
+    PinchEvent,
+    Pointer,
+    PointerEvent,
+    QuitEvent,
+    TextEvent,
+    WheelEvent,
+)
 from editor.base.settings import Settings
+from editor.hosts.headless import HeadlessHost
 from editor.hosts.recorder import Recorder
 from editor.hosts.replay import Replayer
 from editor.session import Session
@@ -47,6 +60,66 @@ def test_a_recording_of_manual_use_gives_the_same_document(make_gui, tmp_path): 
     Replayer(gui.host, script).run()
     assert gui.session.document.hash == expected.hash
     assert gui.session.document.history.undo_label == expected.history.undo_label
+
+
+def pointer(kind, x, y):
+    button = 0 if kind is Pointer.MOVE else LEFT
+    return PointerEvent(kind=kind, world=(0, 0), screen=(x, y), button=button)
+
+
+def test_what_a_window_gets_gives_the_same_again(make_gui, tmp_path):  # noqa: F811
+    """The events are as hosts send them: a wheel has no place, and several come in one frame."""
+    script, level = tmp_path / "events.jsonl", tmp_path / "dropped.json"
+    save_level(a_level(), level)
+    gui = make_gui(session=a_session())
+    gui.host.recorder = Recorder(gui.session, script)
+    host, place = gui.host, gui.session.camera.to_screen((1.5, 3.5))
+    host.frames(5, pointer(Pointer.MOVE, *place), WheelEvent(dy=2), pointer(Pointer.MOVE, 640, 300))
+    host.frames(5, WheelEvent(dy=-0.5, dx=-0.0), WheelEvent(dy=0, dx=3))
+    host.frames(5, PinchEvent(factor=1.5, screen=(500, 400)))
+    gui.key("r")
+    gui.drag((2.0, 2.0), (2.7, 2.5))
+    # The keyboard goes in the middle of a drag, and the button with it.
+    gui.key("c")
+    host.frames(5, pointer(Pointer.PRESS, 600, 300), pointer(Pointer.MOVE, 630, 300))
+    host.frames(5, FocusEvent(focused=False))
+    host.frames(5, pointer(Pointer.MOVE, 700, 350), FocusEvent(focused=True))
+    drawn, camera = gui.session.document.hash, gui.session.camera
+    assert len(gui.level.bodies) == 1 and not gui.session.driver.active
+    host.frames(5, DropEvent(path=str(level)))
+    assert gui.session.document.path == level
+    host.frames(5, PadEvent(control="pad x", pressed=True), PadEvent(control="pad a", pressed=True))
+    assert "pad a" in gui.session.hands.held
+    gui.host.recorder = None
+    gui.key("ctrl+w")  # else the file is open in another window
+
+    gui = make_gui(session=a_session())
+    Replayer(gui.host, script).run()
+    assert [tab.document.path for tab in gui.session.tabs] == [None, level]
+    assert gui.session.hands.held == {"pad a"}
+    first = gui.session.tabs[0]
+    assert (first.document.hash, first.camera) == (drawn, camera)
+    assert not gui.session.driver.active
+
+
+def test_the_close_button_asks_again(make_gui, tmp_path):  # noqa: F811
+    script = tmp_path / "events.jsonl"
+    Recorder(a_session(), script).take([QuitEvent()], 1 / 60, LOOK)
+    gui = make_gui(session=a_session())
+    Replayer(gui.host, script).run()
+    assert gui.session.quitting
+
+
+def test_the_first_frame_of_a_window_has_its_scale(day, tmp_path):  # noqa: F811
+    script = tmp_path / "events.jsonl"
+    session = a_session()
+    host = HeadlessHost(session, size=(1200, 700), scale=1.5)
+    host.recorder = Recorder(session, script)
+    host.frames(1, pointer(Pointer.MOVE, 600, 350))
+    session.worker.stop()
+    host.close()
+    told = [json.loads(line) for line in script.read_text().splitlines()]
+    assert told[0] == {"do": "window", "size": [1200, 700], "scale": 1.5}
 
 
 def test_half_of_a_surrogate_pair_is_left_out(tmp_path):
@@ -131,7 +204,7 @@ def test_open_files_and_pauses_stand_in_the_script(make_gui, tmp_path):  # noqa:
     assert told[3] == {"do": "move", "at": [500, 400]}
     assert told[4:] == [
         {"do": "key", "key": "a", "pressed": True},
-        {"do": "key", "key": "a", "pressed": False},
+        {"do": "focus", "focused": False},
     ]
 
 

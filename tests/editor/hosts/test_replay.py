@@ -94,6 +94,8 @@ def test_text_goes_to_the_field_that_has_the_keyboard(play):
         ('{"do":"action","id":"edit.delete"}', "disabled"),
         ('{"do":"tool","id":"chisel"}', "unknown tool 'chisel'"),
         ('{"do":"key","key":"hyper"}', "unknown key 'hyper'"),
+        ('{"do":"pad","control":"pad z","pressed":true}', "unknown control 'pad z'; there are pad"),
+        ('{"do":"pinch","factor":0}', "factor is 0: expected more than 0"),
         ('{"do":"set","field":"density","value":2}', "nothing is selected"),
         ('{"do":"drag","from":[1,1]}', "'to' is missing"),
         ('{"do":"wait","frames":-1}', "frames is -1: expected 0 or more"),

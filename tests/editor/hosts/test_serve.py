@@ -83,6 +83,7 @@ def test_who_lacks_the_secret_gets_nothing(served):
         assert status == 404 and "whole address" in text and "canvas" not in text
     status, _ = served.request("POST", "/wrong/input?viewer=a", [])
     assert status == 404
+    assert served.request("GET", served.path[:-1])[0] == 308  # a link that lost its last slash
     status, text = served.request("GET", served.path)
     assert status == 200 and "<canvas" in text
     assert "http" not in text.replace("http://www.w3.org/2000/svg", "").replace("https ", "")

@@ -12,9 +12,12 @@ from editor.editing.picking import selected_bodies
 from editor.editing.snapping import apart_from, measured, snap_point
 from editor.editing.tools.base import Feedback, Gesture, ToolContext
 from editor.editing.tools.circle import RADIUS_MIN
+from kinetix.level.extremes import FARTHEST
 from kinetix.level.geometry import bounds_of, to_local, to_world, world_vertices
 from kinetix.level.model import Body, Circle, Point, Polygon
 
+_ROUNDING: Final = 1e-5
+"""So much less does a group grow than would take it to where a level ends."""
 _SCALING: Final = (HandleKind.SCALE, HandleKind.SCALE_X, HandleKind.SCALE_Y)
 
 
@@ -56,7 +59,8 @@ def _scaled_group(
     reach = (pointer[0] - pivot[0], pointer[1] - pivot[1])
     along = (arm[0] * reach[0] + arm[1] * reach[1]) / max(arm[0] ** 2 + arm[1] ** 2, 1e-12)
     least = max(_least_factor(body) for body in bodies)
-    factor = event.typed[0] if event.typed else max(along, least)
+    dragged = min(max(along, least), _greatest_factor(bodies, pivot))
+    factor = event.typed[0] if event.typed else dragged
     ids = tuple(body.id for body in bodies)
     return Scale(ids=ids, factor=factor, pivot=pivot), f"× {factor:.2f}"
 
@@ -108,6 +112,17 @@ def _least_factor(body: Body) -> float:
         return min(RADIUS_MIN / body.shape.radius, 1.0)
     low, high = _extent(body.shape)
     return min(SIDE_MIN / min(high[0] - low[0], high[1] - low[1]), 1.0)
+
+
+def _greatest_factor(bodies: list[Body], pivot: Point) -> float:
+    """Return how far a group may grow about a point: a level reaches no farther."""
+    ways = [
+        (math.copysign(FARTHEST, x - hold) - hold) / (x - hold)
+        for body in bodies
+        for x, hold in zip(body.position, pivot, strict=True)
+        if x != hold
+    ]
+    return max(min(ways, default=math.inf) - _ROUNDING, 1.0)
 
 
 def _extent(shape: Polygon) -> tuple[Point, Point]:
