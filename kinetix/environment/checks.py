@@ -159,12 +159,15 @@ def check_truth(name: str, value: Any) -> None:
         raise KinetixError(f"{name}={value!r}: expected True or False")
 
 
-def check_key(key: Any, order: str = _ORDER) -> None:
+def check_key(
+    key: Any, order: str = _ORDER, many: str = "jax.vmap(env.step) or jax.vmap(env.reset)"
+) -> None:
     """Refuse what is no random key.
 
     Args:
         key: The argument.
         order: Right order of the arguments, for the sentence.
+        many: What takes a batch, for the sentence.
 
     Raises:
         KinetixError: It is something else, or a batch of keys.
@@ -176,8 +179,7 @@ def check_key(key: Any, order: str = _ORDER) -> None:
         raise KinetixError(f"key: expected jax.random.key(seed), got {kind_of(key)}; {order}")
     if jnp.ndim(key) != (0 if typed else 1):
         raise KinetixError(
-            f"key: expected one key, got an array of shape {jnp.shape(key)}: "
-            "use jax.vmap(env.step) or jax.vmap(env.reset)"
+            f"key: expected one key, got an array of shape {jnp.shape(key)}: use {many}"
         )
 
 
@@ -196,25 +198,58 @@ def check_is_state(state: Any, order: str = _ORDER) -> None:
         raise KinetixError(f"state: expected an EnvState, got {kind_of(state)}{inside}; {order}")
 
 
-def check_state(state: Any, engine: PhysicsEngine) -> None:
-    """Refuse a state that an environment of these sizes and this physics cannot step.
+def check_one_state(state: Any, many: str, order: str = _ORDER) -> None:
+    """Refuse what is not one `EnvState`.
+
+    Args:
+        state: The argument.
+        many: What takes a batch, for the sentence.
+        order: Right order of the arguments, for the sentence.
 
     Raises:
-        KinetixError: It is not a state, a batch, of another size, precision or physics.
+        KinetixError: It is something else, or a batch.
     """
-    check_is_state(state)
-    if jnp.ndim(state.timestep):
-        raise KinetixError(
-            f"state: expected one state, got a batch of shape {jnp.shape(state.timestep)}: "
-            "use jax.vmap(env.step, in_axes=(0, 0, 0, None))"
-        )
-    have, want = capacity_of_world(state.world), engine.spec.capacity
+    check_is_state(state, order)
+    if shape := jnp.shape(state.timestep):
+        raise KinetixError(f"state: expected one state, got a batch of shape {shape}: use {many}")
+
+
+def check_size(state: EnvState, want: Capacity) -> None:
+    """Refuse a state of other sizes than an environment's.
+
+    Args:
+        state: One state.
+        want: The environment's.
+
+    Raises:
+        KinetixError: It has others.
+    """
+    have = capacity_of_world(state.world)
     if have != want:
         raise KinetixError(
             f"state: expected the sizes of the environment, {describe_capacity(want)} (polygons, "
             f"circles, joints, thrusters), got {describe_capacity(have)}: "
             "kinetix.environment.rearrange.expand_state makes a level larger"
         )
+
+
+def check_state(
+    state: Any,
+    engine: PhysicsEngine,
+    many: str = "jax.vmap(env.step, in_axes=(0, 0, 0, None))",
+) -> None:
+    """Refuse a state that an environment of these sizes and this physics cannot step.
+
+    Args:
+        state: The argument.
+        engine: The environment's sizes and physics.
+        many: What takes a batch, for the sentence.
+
+    Raises:
+        KinetixError: It is not a state, a batch, of another size, precision or physics.
+    """
+    check_one_state(state, many)
+    check_size(state, engine.spec.capacity)
     kinds = {leaf.dtype for leaf in jax.tree.leaves(state) if hasattr(leaf, "dtype")}
     reals = {kind for kind in kinds if jnp.issubdtype(kind, jnp.floating)}
     others = {jax.dtypes.canonicalize_dtype(kind) for kind in reals} - {jnp.dtype(jnp.float32)}

@@ -24,6 +24,7 @@ from kinetix import (
 from kinetix.engine.presets import solver_named
 from kinetix.environment.actions.checks import with_usual_action
 from kinetix.environment.params import physics_engine, static_env_params_of
+from kinetix.environment.rearrange import expand_state
 from kinetix.environment.reset import level_state
 from kinetix.environment.state import stack_states
 from kinetix.errors import KinetixError
@@ -193,6 +194,32 @@ def test_keys_and_what_is_no_array(small_env, small_state):
         small_env.step(key, small_state, jnp.zeros(6, jnp.complex64))
     with pytest.raises(KinetixError, match="state: expected an EnvState, got NoneType"):
         small_env.get_obs(None)
+
+
+def test_a_batch_is_refused_where_one_state_belongs(small_env, small_state, small_static):
+    batch = stack_states([small_state, small_state])
+    keys = jax.random.split(KEY, 2)
+    for call, told in (
+        (lambda: small_env.get_obs(batch), r"jax\.vmap\(env\.get_obs\)"),
+        (lambda: permute_state(KEY, batch), r"jax\.vmap\(permute_state\)\(jax\.random\.split"),
+        (lambda: expand_state(batch, small_static), r"jax\.vmap\(lambda state: expand_state"),
+    ):
+        with pytest.raises(KinetixError, match=rf"one state, got a batch of .*\(2,\): use {told}"):
+            call()
+    with pytest.raises(KinetixError, match=r"one key, got .* \(2,\): use jax\.vmap\(permute_state"):
+        permute_state(keys, small_state)
+    with pytest.raises(KinetixError, match=r"key: expected jax\.random\.key\(seed\), got"):
+        permute_state(None, small_state)
+    with pytest.raises(KinetixError, match=r"expected StaticEnvParams, got EnvState; the order is e"):
+        expand_state(small_static, small_state)
+    moved = jax.vmap(permute_state)(keys, batch)
+    assert jax.tree.map(jnp.shape, moved) == jax.tree.map(jnp.shape, batch)
+
+
+def test_observations_of_states_of_another_size(small_env):
+    larger = level_state(small_level(), static_env_params_from_size("m", physics="drift"))
+    with pytest.raises(KinetixError, match=r"s \(polygons, circles, joints, thrusters\), got m: "):
+        small_env.get_obs(larger)
 
 
 def test_parts_of_an_environment_in_wrong_places(small_static):
