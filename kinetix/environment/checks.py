@@ -8,7 +8,7 @@ range is clipped, or counts as no action (`env.action_space().contains` tells).
 import dataclasses
 import functools
 from collections.abc import Mapping
-from typing import Any, Final
+from typing import Any
 
 import jax
 import jax.numpy as jnp
@@ -16,31 +16,21 @@ import numpy as np
 
 from kinetix.engine.pipeline import empty_cache
 from kinetix.engine.spec import Capacity, Features
-from kinetix.engine.types import World
 from kinetix.environment.actions.base import AbstractAction
 from kinetix.environment.actions.checks import check_choice
 from kinetix.environment.arguments import NUMBERS, is_array, kind_of
 from kinetix.environment.bounds import check_numbers
+from kinetix.environment.left_out import check_features
 from kinetix.environment.params import EnvParams, PhysicsEngine
 from kinetix.environment.state import EnvState
 from kinetix.errors import KinetixError
-from kinetix.level.features import capacity_of_world, features_of
+from kinetix.forks import refuse_forked_process
+from kinetix.level.features import capacity_of_world
 from kinetix.level.model import Level
 from kinetix.level.sizes import describe_capacity
 
 _SINGLE = -1
 """Length of what has no axis of worlds."""
-_PARTS: Final = {
-    "pairs": "some of its contacts",
-    "used": "some of its shapes, joints or thrusters",
-    "restitution": "bouncing",
-    "triangles": "triangles",
-    "limits": "limits of joints",
-    "welds": "welds",
-    "motors": "motors",
-    "thrusters": "thrusters",
-}
-"""Words for the fields of `Features`, for error messages."""
 _ORDER = "the order is step(key, state, action, env_params), reset(key, env_params, state)"
 
 
@@ -183,6 +173,19 @@ def check_key(
         )
 
 
+def check_draw(key: Any) -> None:
+    """Refuse what a reset function cannot draw with, or where it would wait for ever.
+
+    Args:
+        key: Its argument.
+
+    Raises:
+        KinetixError: It is no key, a batch of them, or the process was forked.
+    """
+    refuse_forked_process()
+    check_key(key, "a reset function takes a key alone", "jax.vmap(reset_fn)")
+
+
 def check_is_state(state: Any, order: str = _ORDER) -> None:
     """Refuse what is no `EnvState`.
 
@@ -317,27 +320,6 @@ def _takes_time(value: Any) -> bool:
     array: Any = value  # JAX's type leaves out `is_ready`
     here = array.is_fully_addressable and all(d.platform == "cpu" for d in array.devices())
     return not here or not array.is_ready()
-
-
-def check_features(world: World, features: Features, name: str = "the level") -> None:
-    """Refuse a level of which a step for other levels would leave parts out.
-
-    Args:
-        world: The level's, or those of a batch.
-        features: Those that the step computes.
-        name: The level's name, for the sentence.
-
-    Raises:
-        KinetixError: The step leaves out something that the level has.
-    """
-    if features == Features():
-        return
-    lacking = features.lacks(features_of(world))
-    if lacking:
-        raise KinetixError(
-            f"{name}: the environment was made for other levels, and its step leaves out "
-            f"{', '.join(_PARTS[part] for part in lacking)}: make it with this level among them"
-        )
 
 
 def refuse_what_is_no_array(name: str, arguments: Any) -> None:

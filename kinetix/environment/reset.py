@@ -17,7 +17,8 @@ from kinetix.bounds import LAST_SEED
 from kinetix.bundled import named_levels, permutation_of
 from kinetix.engine.spec import Features, SceneSpec
 from kinetix.environment.arguments import kind_of
-from kinetix.environment.checks import check_features, check_params, check_static_params
+from kinetix.environment.checks import check_draw, check_params, check_static_params
+from kinetix.environment.left_out import check_features
 from kinetix.environment.params import (
     EnvParams,
     Parity,
@@ -83,8 +84,10 @@ class _OneOf:
 
     def __call__(self, key: Array) -> EnvState:
         """Draw the start of an episode."""
+        refuse_forked_process()
         index: Any = 0
         if self.edges.size:
+            check_draw(key)
             drawn = jax.random.uniform(key)
             index = jnp.sum(drawn >= jnp.asarray(self.edges, drawn.dtype), dtype=jnp.int32)
         return jax.tree.map(lambda x: x[index], self.levels)

@@ -12,6 +12,7 @@ from kinetix import (
     EnvParams,
     LogWrapper,
     StaticEnvParams,
+    forks,
     load_from_json_file,
     make_kinetix_env,
     make_render_pixels,
@@ -21,6 +22,7 @@ from kinetix import (
     static_env_params_from_size,
     vectorize,
 )
+from kinetix.agents.agent import Agent
 from kinetix.engine.presets import solver_named
 from kinetix.environment.actions.checks import with_usual_action
 from kinetix.environment.params import physics_engine, static_env_params_of
@@ -210,10 +212,30 @@ def test_a_batch_is_refused_where_one_state_belongs(small_env, small_state, smal
         permute_state(keys, small_state)
     with pytest.raises(KinetixError, match=r"key: expected jax\.random\.key\(seed\), got"):
         permute_state(None, small_state)
-    with pytest.raises(KinetixError, match=r"expected StaticEnvParams, got EnvState; the order is e"):
+    with pytest.raises(
+        KinetixError, match=r"expected StaticEnvParams, got EnvState; the order is e"
+    ):
         expand_state(small_static, small_state)
     moved = jax.vmap(permute_state)(keys, batch)
     assert jax.tree.map(jnp.shape, moved) == jax.tree.map(jnp.shape, batch)
+
+
+@pytest.mark.parametrize(
+    "call",
+    [
+        lambda env, state, static: permute_state(KEY, state),
+        lambda env, state, static: expand_state(state, static),
+        lambda env, state, static: env.render(state),
+        lambda env, state, static: make_render_pixels(EnvParams(), static)(state),
+        lambda env, state, static: Agent.act(env, None, None, KEY),
+        lambda env, state, static: make_reset_fn_list_of_levels(small_level(), static)(KEY),
+        lambda env, state, static: make_reset_fn_sample_kinetix_level(EnvParams(), static)(KEY),
+    ],
+)
+def test_a_forked_process_is_refused(monkeypatch, small_env, small_state, small_static, call):
+    monkeypatch.setattr(forks, "_FORKED", [1])
+    with pytest.raises(KinetixError, match="would hang: start it anew"):
+        call(small_env, small_state, small_static)
 
 
 def test_observations_of_states_of_another_size(small_env):

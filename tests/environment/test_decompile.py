@@ -76,8 +76,8 @@ def test_whoever_saves_or_shows_a_state_learns_how(small_state, tmp_path):
 @pytest.mark.parametrize(
     ("part", "field", "slot", "value", "expected"),
     [
-        ("polygon", "inverse_mass", 4, 0.0, r"polygon\[4\]: expected both or none of inverse_mass"),
-        ("circle", "inverse_inertia", 0, 0.0, r"circle\[0\]: expected both or none of inverse_mass"),
+        ("polygon", "inverse_mass", 4, 0.0, r"polygon\[4\]: expected both or none of inv"),
+        ("circle", "inverse_inertia", 0, 0.0, r"circle\[0\]: expected both or none of inv"),
         ("polygon", "active", 0, False, r"polygon\[0\]: expected it to be active.* its floor"),
         ("circle", "collision_mode", 1, 3, r"circle\[1\]: expected a collision_mode from 0 to 2"),
     ],
