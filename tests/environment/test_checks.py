@@ -238,6 +238,25 @@ def test_a_forked_process_is_refused(monkeypatch, small_env, small_state, small_
         call(small_env, small_state, small_static)
 
 
+def test_pictures_of_batches_and_within_a_compiled_function(small_env, small_state):
+    batch = stack_states([small_state, small_state])
+    draws = r"kinetix\.make_render_pixels\(env\.env_params, env\.static_env_params\)"
+    for env in (small_env, vectorize(small_env)):
+        with pytest.raises(KinetixError, match=rf"\(2,\): use jax\.vmap\({draws}\)"):
+            env.render(batch)
+    for transform in (jax.vmap, jax.jit):
+        with pytest.raises(KinetixError, match=f"no values within .*: use {draws} there"):
+            transform(small_env.render)(batch if transform is jax.vmap else small_state)
+
+
+def test_a_batch_is_refused_by_physics_and_reward_too(small_env, small_state):
+    batch = stack_states([small_state, small_state])
+    with pytest.raises(KinetixError, match=r"\(2,\): use jax\.vmap\(env\.engine_step\)"):
+        small_env.engine_step(batch, jnp.zeros((2, 2)))
+    with pytest.raises(KinetixError, match=r"\(2,\): use jax\.vmap\(env\.compute_reward_info\)"):
+        small_env.compute_reward_info(batch)
+
+
 def test_observations_of_states_of_another_size(small_env):
     larger = level_state(small_level(), static_env_params_from_size("m", physics="drift"))
     with pytest.raises(KinetixError, match=r"s \(polygons, circles, joints, thrusters\), got m: "):
