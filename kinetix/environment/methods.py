@@ -24,7 +24,23 @@ _PIXELS: Final = "kinetix.make_render_pixels(env.env_params, env.static_env_para
 """What draws batches, and within `jax.jit`, for error messages."""
 
 
-class MethodsOfKinetixEnv:
+class ResetsByName:
+    """Starts of episodes by others' names, in terms of `reset`, of one world or of many."""
+
+    def reset_env(self, key: Array, params: EnvParams | None = None) -> tuple[Any, Any]:
+        """Start an episode. See `reset`."""
+        this: Any = self
+        return this.reset(key, params)
+
+    def reset_to_level(
+        self, key: Array, level: EnvState, params: EnvParams | None = None
+    ) -> tuple[Any, Any]:
+        """Start an episode in a level. See `reset`."""
+        this: Any = self
+        return this.reset(key, params, level)
+
+
+class MethodsOfKinetixEnv(ResetsByName):
     """Methods that code written for gymnax or kinetix-env calls, in terms of `reset` and `step`."""
 
     env_params: Any
@@ -42,18 +58,6 @@ class MethodsOfKinetixEnv:
         """Play one action; where the episode ends it stays ended. See `step`."""
         alone: Any = dataclasses.replace(self, auto_reset=False)  # pyright: ignore[reportArgumentType]
         return alone.step(key, state, action, params)
-
-    def reset_env(self, key: Array, params: EnvParams | None = None) -> tuple[Any, EnvState]:
-        """Start an episode. See `reset`."""
-        this: Any = self
-        return this.reset(key, params)
-
-    def reset_to_level(
-        self, key: Array, level: EnvState, params: EnvParams | None = None
-    ) -> tuple[Any, EnvState]:
-        """Start an episode in a level. See `reset`."""
-        this: Any = self
-        return this.reset(key, params, level)
 
     def engine_step(
         self, env_state: EnvState, action_to_perform: Array, env_params: EnvParams | None = None

@@ -7,6 +7,7 @@ from jaxtyping import Array, Bool, Float, Int
 
 from kinetix.environment.checks import check_env
 from kinetix.environment.env import KinetixEnv
+from kinetix.environment.methods import ResetsByName
 from kinetix.environment.params import EnvParams
 from kinetix.environment.state import EnvState
 from kinetix.lazy import lazy_names
@@ -37,7 +38,7 @@ def _given(override: EnvState | LogState | None) -> tuple[Any, ...]:
     return () if override is None else (override,)
 
 
-class LogWrapper:
+class LogWrapper(ResetsByName):
     """Counts returns, lengths and solved episodes, and reports them in `info`.
 
     It may be put around an environment, or around a vectorised one.
