@@ -12,6 +12,7 @@ from kinetix import (
     EnvParams,
     LogWrapper,
     StaticEnvParams,
+    UEDParams,
     forks,
     load_from_json_file,
     make_kinetix_env,
@@ -19,6 +20,7 @@ from kinetix import (
     make_reset_fn_list_of_levels,
     make_reset_fn_sample_kinetix_level,
     permute_state,
+    sample_kinetix_level,
     static_env_params_from_size,
     vectorize,
 )
@@ -27,7 +29,7 @@ from kinetix.engine.presets import solver_named
 from kinetix.environment.actions.checks import with_usual_action
 from kinetix.environment.params import physics_engine, static_env_params_of
 from kinetix.environment.rearrange import expand_state
-from kinetix.environment.reset import level_state
+from kinetix.environment.reset import level_state, make_reset_fn_sample_sizes
 from kinetix.environment.state import stack_states
 from kinetix.errors import KinetixError
 from kinetix.level.codec import load_level
@@ -333,6 +335,60 @@ def test_sizes_that_cannot_be(field, bad):
     static = StaticEnvParams(**{field: bad})
     with pytest.raises(KinetixError, match=rf"static_env_params\.{field}: expected .*, got"):
         make_kinetix_env("discrete", "blind", None, EnvParams(), static)
+
+
+@pytest.mark.parametrize("number", [np.array(7), jnp.int32(7), np.int64(7)])
+def test_sizes_may_be_arrays_of_one_number(number):
+    static = StaticEnvParams(num_polygons=number)
+    assert static == StaticEnvParams(num_polygons=7)
+    assert hash(static) == hash(StaticEnvParams(num_polygons=7))
+    ued = UEDParams(add_shape_n_proposals=number)
+    assert hash(ued) == hash(UEDParams(add_shape_n_proposals=7))
+
+
+@pytest.mark.parametrize(
+    ("field", "bad", "expected"),
+    [
+        ("max_shape_size", -5.0, "a finite number above 0, got -5.0"),
+        ("circle_max_size_coeff", float("inf"), "a finite number above 0"),
+        ("motor_on_chance", 1.5, "a probability from 0 to 1"),
+        ("floor_prob_red", -0.1, "a finite number from 0"),
+        ("motor_max_power", float("nan"), "a finite number"),
+        ("add_shape_n_proposals", 0, "a whole number from 1"),
+        ("inertia_model", "true", "'exact' or 'kinetix'"),
+    ],
+)
+def test_random_levels_by_numbers_that_cannot_be_are_refused(small_static, field, bad, expected):
+    ued = UEDParams(**{field: bad})
+    for make in (
+        lambda: make_reset_fn_sample_kinetix_level(EnvParams(), small_static, ued),
+        lambda: make_reset_fn_sample_sizes(small_static, ued),
+        lambda: sample_kinetix_level(KEY, None, EnvParams(), small_static, ued),
+    ):
+        with pytest.raises(KinetixError, match=rf"ued_params\.{field}: expected {expected}"):
+            make()
+
+
+def test_random_levels_of_something_else_are_refused(small_env, small_static):
+    params, engine = EnvParams(), small_env.physics_engine
+    for arguments, expected in (
+        ((None, small_static, params), "expected EnvParams, got StaticEnvParams; the order is"),
+        (
+            (small_env, params, small_static),
+            r"expected env\.physics_engine, got KinetixEnv; the or",
+        ),
+        ((engine, params, small_static, 3), r"ued_params: expected UEDParams.*, got int"),
+    ):
+        with pytest.raises(KinetixError, match=expected):
+            sample_kinetix_level(KEY, *arguments)
+    several = make_reset_fn_list_of_levels([small_level(), small_level()], small_static)
+    for draw in (make_reset_fn_sample_kinetix_level(params, small_static), several):
+        for key, expected in (
+            (3, r"key: expected jax\.random\.key\(seed\), got 3|got int"),
+            (jax.random.split(KEY, 3), r"expected one key, .* \(3,\): use jax\.vmap\(reset_fn\)"),
+        ):
+            with pytest.raises(KinetixError, match=expected):
+                draw(key)
 
 
 @pytest.mark.parametrize("sides", [[400, 300], np.array([400, 300])], ids=["list", "array"])
