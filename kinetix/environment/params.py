@@ -67,7 +67,7 @@ class EnvParams:
     dense_reward_scale: float = 0.1
     """Weight of the distance reward; 0 switches it off."""
     num_shape_roles: int = 4
-    """Neutral, green, blue, red."""
+    """None, green, blue, red."""
 
     __repr__ = short_repr
 

@@ -8,6 +8,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
+import kinetix
 from kinetix import (
     EnvParams,
     LogWrapper,
@@ -88,7 +89,7 @@ def test_states_of_something_else(small_env, small_state):
         small_env, KEY, other, ACTION
     )
     with pytest.raises(
-        KinetixError, match="expected the EnvState that an episode starts in, got an array"
+        KinetixError, match="expected the EnvState that an episode starts in, got a number"
     ):
         small_env.reset(KEY, None, 3)
     with pytest.raises(KinetixError, match=r"a batch of shape .2,.: use jax.vmap.env.reset"):
@@ -177,9 +178,11 @@ class Foreign:
 def test_keys_and_what_is_no_array(small_env, small_state):
     action = jnp.zeros(6, int)
     key = jax.random.PRNGKey(0)
-    for bad in (0, None, jnp.zeros(2)):
-        with pytest.raises(KinetixError, match=r"key: expected jax\.random\.key\(seed\), got"):
+    for bad, kind in ((0, "a number"), (None, "NoneType"), (jnp.zeros(2), "an array of shape")):
+        with pytest.raises(KinetixError, match=rf"expected jax\.random\.key\(seed\), got {kind}"):
             small_env.step(bad, small_state, action)
+    with pytest.raises(KinetixError, match="state: expected an EnvState, got a random key"):
+        small_env.step(small_state, jax.random.key(0), action)
     with pytest.raises(KinetixError, match=r"key: expected one key, got .*\(3, 2\): use jax\.vmap"):
         small_env.step(jax.random.split(key, 3), small_state, action)
     level = load_level("s/first_flight")
@@ -536,3 +539,12 @@ def test_a_permutation_beyond_the_seeds_is_refused():
     for number in (2**32, 10**22):
         with pytest.raises(KinetixError, match=r"expected \.permuteN with N from 0 to 4294967295"):
             load_from_json_file(f"s/goalkeeper.permute{number}")
+
+
+@pytest.mark.parametrize(
+    "name", ["reset.level_state", "devices.spread", "gymnax.GymnaxAdapter", "generators.filters"]
+)
+def test_modules_that_documents_name_need_no_import_of_their_own(name):
+    found = kinetix.environment
+    for part in name.split("."):
+        found = found.__getattr__(part) if hasattr(found, "__path__") else getattr(found, part)

@@ -89,7 +89,7 @@ class UEDParams:
     add_shape_n_proposals: int = static(default=8)
     """Proposals for a shape, of which the one with the fewest contacts is taken; 1 at size s."""
     floor_prob_normal: float = static(default=0.9)
-    """Weight of a neutral floor."""
+    """Weight of a floor without a role."""
     floor_prob_green: float = static(default=0.0)
     """Weight of a green floor."""
     floor_prob_blue: float = static(default=0.02)
@@ -111,7 +111,7 @@ class UEDParams:
 
     @property
     def floor_probabilities(self) -> tuple[float, float, float, float]:
-        """Weights of the floor's role: neutral, green, blue, red."""
+        """Weights of the floor's role: none, green, blue, red."""
         return (
             self.floor_prob_normal,
             self.floor_prob_green,
