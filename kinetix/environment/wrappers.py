@@ -7,7 +7,6 @@ from jaxtyping import Array, Bool, Float, Int
 
 from kinetix.environment.checks import check_env
 from kinetix.environment.env import KinetixEnv
-from kinetix.environment.methods import ResetsByName
 from kinetix.environment.params import EnvParams
 from kinetix.environment.state import EnvState
 from kinetix.lazy import lazy_names
@@ -38,7 +37,7 @@ def _given(override: EnvState | LogState | None) -> tuple[Any, ...]:
     return () if override is None else (override,)
 
 
-class LogWrapper(ResetsByName):
+class LogWrapper:
     """Counts returns, lengths and solved episodes, and reports them in `info`.
 
     It may be put around an environment, or around a vectorised one.
@@ -67,6 +66,10 @@ class LogWrapper(ResetsByName):
         """Start an episode, and counting; a state of this wrapper may be the override too."""
         override = _given(override_reset_state)
         return self._counting(*self._env.reset(key, env_params, *override))
+
+    def reset_env(self, key: Array, params: EnvParams | None = None) -> tuple[Any, LogState]:
+        """Start an episode, and counting. See `reset`."""
+        return self.reset(key, params)
 
     def reset_to_level(
         self, key: Array, level: EnvState | LogState, env_params: EnvParams | None = None
