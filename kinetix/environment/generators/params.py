@@ -153,10 +153,12 @@ def checked_drawing(
         KinetixError: One is something else, or has a number that cannot be.
     """
     check_params(env_params, order)
-    static: Any = static_env_params
-    if static is not None or physics_engine is None:
-        check_static_params(static, order)
-    if not isinstance(physics_engine, PhysicsEngine | None):
+    if physics_engine is None:
+        check_static_params(static_env_params, order)
+        physics_engine = engine_of(static_env_params)
+    elif static_env_params is not None:
+        check_static_params(static_env_params, order)
+    if not isinstance(physics_engine, PhysicsEngine):
         kind = kind_of(physics_engine)
         raise KinetixError(f"physics_engine: expected env.physics_engine, got {kind}; {order}")
-    return physics_engine or engine_of(static), checked_options(ued_params)
+    return physics_engine, checked_options(ued_params)
