@@ -22,6 +22,9 @@ def main() -> None:
     parser.add_argument("--steps", type=int, default=300)
     parser.add_argument("--physics", default="balanced")
     arguments = parser.parse_args()
+    for word in ("worlds", "steps"):
+        if (count := getattr(arguments, word)) < 1:
+            parser.error(f"--{word} {count}: expected at least 1")
 
     env_params = EnvParams()
     static_env_params = static_env_params_from_size("s", physics=arguments.physics)

@@ -23,6 +23,9 @@ def main() -> None:
     parser.add_argument("--steps", type=int, default=128)
     parser.add_argument("--physics", default="balanced")
     arguments = parser.parse_args()
+    for word in ("worlds", "steps"):
+        if (count := getattr(arguments, word)) < 1:
+            parser.error(f"--{word} {count}: expected at least 1")
     use_all_cores()  # before the first array: one CPU device does little work in parallel
     devices = jax.local_device_count()
     worlds = -(-arguments.worlds // devices) * devices

@@ -31,6 +31,9 @@ def main() -> None:
     parser.add_argument("--steps", type=int, default=256)
     parser.add_argument("--physics", default="balanced")
     arguments = parser.parse_args()
+    for word in ("levels", "attempts", "steps"):
+        if (count := getattr(arguments, word)) < 1:
+            parser.error(f"--{word} {count}: expected at least 1")
 
     params, static = EnvParams(), static_env_params_from_size("s", physics=arguments.physics)
     env = as_underspecified_env(

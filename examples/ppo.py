@@ -233,6 +233,9 @@ def main() -> None:
     parser.add_argument("--seeds", type=int, default=1)
     parser.add_argument("--plot", type=Path, help="a PNG (needs matplotlib)")
     arguments = parser.parse_args()
+    for word in ("steps", "envs", "seeds"):
+        if (count := getattr(arguments, word)) < 1:
+            parser.error(f"--{word} {count}: expected at least 1")
     if arguments.plot:
         if arguments.plot.suffix.lower() not in (".png", ".svg", ".pdf"):
             parser.error(f"--plot {arguments.plot}: expected a name that ends in .png")

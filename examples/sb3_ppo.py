@@ -83,6 +83,9 @@ def main() -> None:
     parser.add_argument("--envs", type=int, default=64)
     parser.add_argument("--seed", type=int, default=0)
     arguments = parser.parse_args()
+    for word in ("steps", "envs"):
+        if (count := getattr(arguments, word)) < 1:
+            parser.error(f"--{word} {count}: expected at least 1")
 
     env = VecMonitor(KinetixVecEnv(arguments.envs, level=arguments.level))
     model = PPO("MlpPolicy", env, n_steps=128, batch_size=2048, ent_coef=0.01, seed=arguments.seed)

@@ -24,6 +24,9 @@ def main() -> None:
     parser.add_argument("--steps", type=int, default=512)
     parser.add_argument("--physics", default="balanced")
     arguments = parser.parse_args()
+    for word in ("worlds", "steps"):
+        if (count := getattr(arguments, word)) < 1:
+            parser.error(f"--{word} {count}: expected at least 1")
 
     _, static, params = load_from_json_file(arguments.level, physics=arguments.physics)
     reset_fn = make_reset_fn_list_of_levels([arguments.level], static)

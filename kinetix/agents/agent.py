@@ -170,6 +170,7 @@ class Agent:
             KinetixError: The observations are of another kind or size, no batch, or not as many as
                 the carry; or there is no key.
         """
+        refuse_forked_process()
         if not (isinstance(carry, tuple) and carry and np.ndim(carry[0]) == 2):
             raise KinetixError("carry: expected what init_carry(batch) or the last call returned")
         batch = carry[0].shape[0]

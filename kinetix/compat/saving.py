@@ -25,7 +25,7 @@ from kinetix.environment.params import (
 from kinetix.environment.rearrange import expand_state
 from kinetix.environment.reset import load_from_json_file
 from kinetix.environment.state import EnvState, stack_states, state_of
-from kinetix.errors import CheckpointError, KinetixError
+from kinetix.errors import CheckpointError, KinetixError, LevelError
 from kinetix.files.atomic import replacing
 from kinetix.files.json_text import read_object
 from kinetix.files.regular import FileError
@@ -129,6 +129,7 @@ def export_env_state_to_json(
 
     Raises:
         KinetixError: It is no state, a batch of them, or one without values, within `jax.jit`.
+        LevelError: It holds what no level can say, or the file cannot be written.
     """
     del static_env_params
     path = Path(filename)
@@ -172,7 +173,10 @@ def check_if_mass_and_inertia_are_correct(
 
 def _follow(state: EnvState, inertia_model: InertiaModel) -> bool:
     scene = Scene(world=state.world, state=state.physics, labels=state.labels)
-    level: Level = level_from_scene(scene, name="level", inertia_model=inertia_model)
+    try:
+        level: Level = level_from_scene(scene, name="level", inertia_model=inertia_model)
+    except LevelError:
+        return False
     return all(body.mass_properties is None for body in level.bodies) and not any(
         issue.severity == "error" for issue in validate(level)
     )

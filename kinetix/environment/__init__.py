@@ -51,4 +51,12 @@ __all__ = [
 ]
 
 
-__getattr__, __dir__ = lazy_names(__name__, _HOME)
+__getattr__, __dir__ = lazy_names(
+    __name__,
+    _HOME,
+    (
+        *("actions", "decompile", "devices", "dummy", "env", "generators", "gymnax", "inverse"),
+        *("jaxued", "named", "observations", "params", "rearrange", "replay", "reset", "runs"),
+        *("spaces", "state", "stoa", "vector", "wrappers"),
+    ),
+)

@@ -18,6 +18,12 @@ def is_array(value: Any) -> bool:
 
 
 def kind_of(value: Any) -> str:
-    """Return what it is in a few words: its type, or the shape of an array."""
-    shape = jnp.shape(value) if hasattr(value, "dtype") else None
-    return type(value).__name__ if shape is None else f"an array of shape {shape}"
+    """Return what it is in a few words: its type, or the shape of an array.
+
+    Python's numbers are arrays without a shape once they are traced.
+    """
+    if not hasattr(value, "dtype"):
+        return type(value).__name__
+    if shape := jnp.shape(value):
+        return f"an array of shape {shape}"
+    return "a random key" if jnp.issubdtype(value.dtype, jax.dtypes.prng_key) else "a number"

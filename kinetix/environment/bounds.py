@@ -1,9 +1,9 @@
-"""Bounds of the numbers in `EnvParams` and `StaticEnvParams`."""
+"""Bounds of the numbers in `EnvParams`, `StaticEnvParams` and `UEDParams`."""
 
 import math
 import numbers
 from collections.abc import Callable
-from typing import Any, Final
+from typing import Any, Final, get_args
 
 import jax
 import numpy as np
@@ -11,6 +11,7 @@ from jax.core import Tracer
 
 from kinetix.bounds import Bound, check_bounds
 from kinetix.engine.spec import ARENA_BODIES
+from kinetix.level.model import InertiaModel
 
 
 def _whole(least: int) -> Callable[[Any], bool]:
@@ -77,6 +78,60 @@ _SIZES: Final = (
     Bound(("max_polygon_vertices",), "4", lambda x: x == 4),
 )
 
+_OPTIONS: Final = (
+    Bound(
+        (
+            "max_shape_size",
+            "goal_body_size_factor",
+            "large_rect_dim_scale",
+            "circle_max_size_coeff",
+        ),
+        "a finite number above 0",
+        lambda x: 0 < x < math.inf,
+    ),
+    Bound(
+        (
+            "goal_body_opposide_side_chance",
+            "large_rect_dim_chance",
+            "thruster_align_com_prob",
+            "motor_on_chance",
+            "joint_limit_chance",
+            "joint_fixed_chance",
+            "fixate_chance_min",
+            "fixate_chance_max",
+            "fixate_shape_bottom_bias",
+            "fixate_shape_bottom_bias_special_role",
+            "add_thruster_chance",
+        ),
+        "a probability from 0 to 1",
+        lambda x: 0 <= x <= 1,
+    ),
+    Bound(
+        (
+            *("add_shape_chance", "add_connected_shape_chance", "add_no_shape_chance"),
+            *("floor_prob_normal", "floor_prob_green", "floor_prob_blue", "floor_prob_red"),
+            *("connect_to_fixated_prob_coeff", "joint_limit_max"),
+        ),
+        "a finite number from 0",
+        lambda x: 0 <= x < math.inf,
+    ),
+    Bound(
+        (
+            *("motor_min_speed", "motor_max_speed", "motor_min_power", "motor_max_power"),
+            *("wheel_max_power", "thruster_power_multiplier", "fixate_chance_scale"),
+            *("connect_visibility_min", "connect_no_visibility_bias", "min_rjoints_bias"),
+        ),
+        "a finite number",
+        math.isfinite,
+    ),
+    Bound(("add_shape_n_proposals",), "a whole number from 1", _whole(1)),
+    Bound(
+        ("inertia_model",),
+        " or ".join(map(repr, get_args(InertiaModel))),
+        lambda word: word in get_args(InertiaModel),
+    ),
+)
+
 
 def as_number(value: Any) -> Any:
     """Return Python's number for an array of one, of numpy or JAX; anything else as it is.
@@ -88,6 +143,16 @@ def as_number(value: Any) -> Any:
     return value.item() if known and value.ndim == 0 else value
 
 
+def plain_numbers(record: Any) -> None:
+    """Keep Python's numbers where a frozen record was given arrays of one.
+
+    Args:
+        record: A dataclass that is being made.
+    """
+    for name, value in vars(record).items():
+        object.__setattr__(record, name, as_number(value))
+
+
 def check_numbers(env_params: Any) -> None:
     """Refuse an `EnvParams` with a number that no episode can be played with.
 
@@ -95,6 +160,15 @@ def check_numbers(env_params: Any) -> None:
         KinetixError: The sentence names the field.
     """
     check_bounds(env_params, _NUMBERS, "env_params.")
+
+
+def check_options(ued_params: Any) -> None:
+    """Refuse a `UEDParams` with a number that no level can be drawn by.
+
+    Raises:
+        KinetixError: The sentence names the field.
+    """
+    check_bounds(ued_params, _OPTIONS, "ued_params.")
 
 
 def check_sizes(static_env_params: Any) -> None:

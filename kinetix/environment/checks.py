@@ -8,7 +8,7 @@ range is clipped, or counts as no action (`env.action_space().contains` tells).
 import dataclasses
 import functools
 from collections.abc import Mapping
-from typing import Any, Final
+from typing import Any
 
 import jax
 import jax.numpy as jnp
@@ -16,31 +16,21 @@ import numpy as np
 
 from kinetix.engine.pipeline import empty_cache
 from kinetix.engine.spec import Capacity, Features
-from kinetix.engine.types import World
 from kinetix.environment.actions.base import AbstractAction
 from kinetix.environment.actions.checks import check_choice
 from kinetix.environment.arguments import NUMBERS, is_array, kind_of
 from kinetix.environment.bounds import check_numbers
+from kinetix.environment.left_out import check_features
 from kinetix.environment.params import EnvParams, PhysicsEngine
 from kinetix.environment.state import EnvState
 from kinetix.errors import KinetixError
-from kinetix.level.features import capacity_of_world, features_of
+from kinetix.forks import refuse_forked_process
+from kinetix.level.features import capacity_of_world
 from kinetix.level.model import Level
 from kinetix.level.sizes import describe_capacity
 
 _SINGLE = -1
 """Length of what has no axis of worlds."""
-_PARTS: Final = {
-    "pairs": "some of its contacts",
-    "used": "some of its shapes, joints or thrusters",
-    "restitution": "bouncing",
-    "triangles": "triangles",
-    "limits": "limits of joints",
-    "welds": "welds",
-    "motors": "motors",
-    "thrusters": "thrusters",
-}
-"""Words for the fields of `Features`, for error messages."""
 _ORDER = "the order is step(key, state, action, env_params), reset(key, env_params, state)"
 
 
@@ -159,12 +149,15 @@ def check_truth(name: str, value: Any) -> None:
         raise KinetixError(f"{name}={value!r}: expected True or False")
 
 
-def check_key(key: Any, order: str = _ORDER) -> None:
+def check_key(
+    key: Any, order: str = _ORDER, many: str = "jax.vmap(env.step) or jax.vmap(env.reset)"
+) -> None:
     """Refuse what is no random key.
 
     Args:
         key: The argument.
         order: Right order of the arguments, for the sentence.
+        many: What takes a batch, for the sentence.
 
     Raises:
         KinetixError: It is something else, or a batch of keys.
@@ -176,9 +169,21 @@ def check_key(key: Any, order: str = _ORDER) -> None:
         raise KinetixError(f"key: expected jax.random.key(seed), got {kind_of(key)}; {order}")
     if jnp.ndim(key) != (0 if typed else 1):
         raise KinetixError(
-            f"key: expected one key, got an array of shape {jnp.shape(key)}: "
-            "use jax.vmap(env.step) or jax.vmap(env.reset)"
+            f"key: expected one key, got an array of shape {jnp.shape(key)}: use {many}"
         )
+
+
+def check_draw(key: Any) -> None:
+    """Refuse what a reset function cannot draw with, or where it would wait for ever.
+
+    Args:
+        key: Its argument.
+
+    Raises:
+        KinetixError: It is no key, a batch of them, or the process was forked.
+    """
+    refuse_forked_process()
+    check_key(key, "a reset function takes a key alone", "jax.vmap(reset_fn)")
 
 
 def check_is_state(state: Any, order: str = _ORDER) -> None:
@@ -196,25 +201,58 @@ def check_is_state(state: Any, order: str = _ORDER) -> None:
         raise KinetixError(f"state: expected an EnvState, got {kind_of(state)}{inside}; {order}")
 
 
-def check_state(state: Any, engine: PhysicsEngine) -> None:
-    """Refuse a state that an environment of these sizes and this physics cannot step.
+def check_one_state(state: Any, many: str, order: str = _ORDER) -> None:
+    """Refuse what is not one `EnvState`.
+
+    Args:
+        state: The argument.
+        many: What takes a batch, for the sentence.
+        order: Right order of the arguments, for the sentence.
 
     Raises:
-        KinetixError: It is not a state, a batch, of another size, precision or physics.
+        KinetixError: It is something else, or a batch.
     """
-    check_is_state(state)
-    if jnp.ndim(state.timestep):
-        raise KinetixError(
-            f"state: expected one state, got a batch of shape {jnp.shape(state.timestep)}: "
-            "use jax.vmap(env.step, in_axes=(0, 0, 0, None))"
-        )
-    have, want = capacity_of_world(state.world), engine.spec.capacity
+    check_is_state(state, order)
+    if shape := jnp.shape(state.timestep):
+        raise KinetixError(f"state: expected one state, got a batch of shape {shape}: use {many}")
+
+
+def check_size(state: EnvState, want: Capacity) -> None:
+    """Refuse a state of other sizes than an environment's.
+
+    Args:
+        state: One state.
+        want: The environment's.
+
+    Raises:
+        KinetixError: It has others.
+    """
+    have = capacity_of_world(state.world)
     if have != want:
         raise KinetixError(
             f"state: expected the sizes of the environment, {describe_capacity(want)} (polygons, "
             f"circles, joints, thrusters), got {describe_capacity(have)}: "
             "kinetix.environment.rearrange.expand_state makes a level larger"
         )
+
+
+def check_state(
+    state: Any,
+    engine: PhysicsEngine,
+    many: str = "jax.vmap(env.step, in_axes=(0, 0, 0, None))",
+) -> None:
+    """Refuse a state that an environment of these sizes and this physics cannot step.
+
+    Args:
+        state: The argument.
+        engine: The environment's sizes and physics.
+        many: What takes a batch, for the sentence.
+
+    Raises:
+        KinetixError: It is not a state, a batch, of another size, precision or physics.
+    """
+    check_one_state(state, many)
+    check_size(state, engine.spec.capacity)
     kinds = {leaf.dtype for leaf in jax.tree.leaves(state) if hasattr(leaf, "dtype")}
     reals = {kind for kind in kinds if jnp.issubdtype(kind, jnp.floating)}
     others = {jax.dtypes.canonicalize_dtype(kind) for kind in reals} - {jnp.dtype(jnp.float32)}
@@ -282,27 +320,6 @@ def _takes_time(value: Any) -> bool:
     array: Any = value  # JAX's type leaves out `is_ready`
     here = array.is_fully_addressable and all(d.platform == "cpu" for d in array.devices())
     return not here or not array.is_ready()
-
-
-def check_features(world: World, features: Features, name: str = "the level") -> None:
-    """Refuse a level of which a step for other levels would leave parts out.
-
-    Args:
-        world: The level's, or those of a batch.
-        features: Those that the step computes.
-        name: The level's name, for the sentence.
-
-    Raises:
-        KinetixError: The step leaves out something that the level has.
-    """
-    if features == Features():
-        return
-    lacking = features.lacks(features_of(world))
-    if lacking:
-        raise KinetixError(
-            f"{name}: the environment was made for other levels, and its step leaves out "
-            f"{', '.join(_PARTS[part] for part in lacking)}: make it with this level among them"
-        )
 
 
 def refuse_what_is_no_array(name: str, arguments: Any) -> None:

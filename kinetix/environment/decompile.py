@@ -20,7 +20,8 @@ def level_of(state: EnvState, name: str = "Untitled") -> Level:
     """A state as a level, which can be saved, shown and opened in the editor.
 
     Where the bodies are and how they move becomes the start; `level_state` makes the same state of
-    it, but for empty slots. A random level's time limit is the usual one, 256 steps.
+    it, but for empty slots, and joints and thrusters of bodies that were switched off. A random
+    level's time limit is the usual one, 256 steps.
 
     Args:
         state: One state, such as `env.reset` or `sample_kinetix_level` return.
@@ -28,6 +29,7 @@ def level_of(state: EnvState, name: str = "Untitled") -> Level:
 
     Raises:
         KinetixError: It is no state, a batch of them, or one without values, within `jax.jit`.
+        LevelError: It holds what no level can say, such as a body that turns but does not move.
     """
     if not isinstance(name, str) or not name:
         raise KinetixError(f"name {name!r:.60}: expected a title")

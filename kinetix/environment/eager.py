@@ -6,6 +6,7 @@ Inside of `jit`, `vmap` and their like the caller's program is compiled, as thor
 """
 
 import functools
+import inspect
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, nullcontext
 from typing import Any, Final
@@ -18,6 +19,7 @@ from kinetix.engine.promotion import usual_promotion
 from kinetix.environment.actions.checks import with_usual_action
 from kinetix.environment.checks import check_values, refuse_what_is_no_array
 from kinetix.environment.meshes import refuse_mesh
+from kinetix.environment.params import EnvParams
 from kinetix.forks import refuse_forked_process
 from kinetix.programs import make_room
 
@@ -41,6 +43,8 @@ def quick_alone(method: Callable[..., Any]) -> Callable[..., Any]:
     """
     inside = jax.jit(method, static_argnums=0)
     alone = jax.jit(method, static_argnums=0, compiler_options=_QUICK)
+    names = [*inspect.signature(method).parameters][1:]
+    place = names.index("env_params") if "env_params" in names else len(names)
 
     @functools.wraps(method)
     def call(self: Any, *arguments: Any, **named: Any) -> Any:
@@ -51,6 +55,7 @@ def quick_alone(method: Callable[..., Any]) -> Callable[..., Any]:
             make_room()
             check_values(self, getattr(self, "actions", None), arguments, named)
             arguments, named = with_usual_action(arguments, named)
+            arguments, named = _without_own(self, place, arguments, named)
         program = alone if outside and jax.default_backend() == "cpu" else inside
         # Step by step a solver would take minutes: `jax.disable_jit` is for the caller's own code.
         compiled = jax.disable_jit(False) if jax.config.values["jax_disable_jit"] else nullcontext()
@@ -84,6 +89,31 @@ def thorough(method: Callable[..., Any]) -> Callable[..., Any]:
             return program(self, *arguments, **named)
 
     return call
+
+
+def _without_own(
+    env: Any, place: int, arguments: tuple[Any, ...], named: dict[str, Any]
+) -> tuple[tuple[Any, ...], dict[str, Any]]:
+    """The arguments without parameters that are the environment's own: they are one program.
+
+    Args:
+        env: What the method belongs to.
+        place: Where the parameters stand among the arguments.
+        arguments: Those of the method.
+        named: Likewise.
+    """
+    given = named.get("env_params", arguments[place] if place < len(arguments) else None)
+    try:
+        own = given is None or (isinstance(given, EnvParams) and given == env.env_params)
+        hash(given)
+    except (TypeError, ValueError):  # arrays
+        own = False
+    if not own:
+        return arguments, named
+    rest = arguments[place + 1 :]
+    told = any(each is not None for each in rest)
+    arguments = (*arguments[:place], None, *rest) if told else arguments[:place]
+    return arguments, {name: each for name, each in named.items() if name != "env_params"}
 
 
 @contextmanager

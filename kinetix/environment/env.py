@@ -12,10 +12,11 @@ from kinetix.engine.batch import where_marked
 from kinetix.environment.actions import ACTIONS, AbstractAction
 from kinetix.environment.actions.checks import check_action
 from kinetix.environment.checks import (
-    check_is_state,
     check_key,
+    check_one_state,
     check_params,
     check_parts,
+    check_size,
     check_state,
     check_truth,
     fitted,
@@ -205,8 +206,13 @@ class KinetixEnv(MethodsOfKinetixEnv):
 
     @quick_alone
     def get_obs(self, state: EnvState) -> Any:
-        """The observation of a state."""
-        check_is_state(state)
+        """The observation of a state.
+
+        Raises:
+            KinetixError: It is no state, a batch of them, or one of other sizes.
+        """
+        check_one_state(state, "jax.vmap(env.get_obs)")
+        check_size(state, self.static_env_params.capacity)
         return self._observe(state)
 
     def _observe(self, state: EnvState) -> Any:

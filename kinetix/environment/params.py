@@ -9,7 +9,7 @@ from kinetix.engine.presets import solver_named
 from kinetix.engine.solvers import AbstractSolver, PgsBaumgarte
 from kinetix.engine.spec import ARENA_BODIES, Capacity, Features, SceneSpec
 from kinetix.engine.types import Parameters
-from kinetix.environment.bounds import as_number, check_sizes
+from kinetix.environment.bounds import as_number, check_sizes, plain_numbers
 from kinetix.errors import KinetixError
 from kinetix.level.sizes import describe_capacity, parse_capacity
 from kinetix.pytree import hashable, pytree, short_repr, static
@@ -67,7 +67,7 @@ class EnvParams:
     dense_reward_scale: float = 0.1
     """Weight of the distance reward; 0 switches it off."""
     num_shape_roles: int = 4
-    """Neutral, green, blue, red."""
+    """None, green, blue, red."""
 
     __repr__ = short_repr
 
@@ -142,7 +142,11 @@ class StaticEnvParams:
     __repr__ = short_repr
 
     def __post_init__(self) -> None:
-        """Keep a list or an array of sides as a tuple, which can be hashed."""
+        """Keep a list or an array of sides as a tuple, and an array of one as its number.
+
+        So both can be hashed.
+        """
+        plain_numbers(self)
         object.__setattr__(self, "screen_dim", hashable(self.screen_dim))
 
     @property

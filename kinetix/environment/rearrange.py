@@ -12,11 +12,12 @@ from kinetix.engine.pairs import candidate_pairs
 from kinetix.engine.pipeline import empty_cache
 from kinetix.engine.spec import ARENA_BODIES, Capacity
 from kinetix.engine.types import Bodies, World
-from kinetix.environment.checks import check_is_state
+from kinetix.environment.checks import check_key, check_one_state, check_static_params
 from kinetix.environment.fields import CONSTANTS
 from kinetix.environment.params import StaticEnvParams, physics_engine
 from kinetix.environment.state import EnvState, without_contacts
 from kinetix.errors import KinetixError
+from kinetix.forks import refuse_forked_process
 from kinetix.level.features import capacity_of_world
 from kinetix.renamed import also_named
 
@@ -35,8 +36,12 @@ def expand_state(
 
     Raises:
         KinetixError: The level does not fit; the message says of what there are too many, and by
-            how many.
+            how many. Or an argument is something else, or a batch.
     """
+    refuse_forked_process()
+    order = "the order is expand_state(state, static_env_params)"
+    check_static_params(static_env_params, order)
+    check_one_state(state, "jax.vmap(lambda state: expand_state(state, static_env_params))", order)
     have, need = capacity_of_world(state.world), static_env_params.capacity
     _check_fit(have, need, name)
     engine = physics_engine(static_env_params)
@@ -103,10 +108,14 @@ def permute_state(
         static_env_params: Taken for kinetix-env's sake; the state knows its sizes.
 
     Raises:
-        KinetixError: It is no state.
+        KinetixError: It is no key or no state, or a batch.
     """
     del static_env_params
-    check_is_state(state, "the order is permute_state(key, state, static_env_params)")
+    refuse_forked_process()
+    order = "the order is permute_state(key, state, static_env_params)"
+    many = "jax.vmap(permute_state)(jax.random.split(key, n), states)"
+    check_one_state(state, many, order)
+    check_key(key, order, many)
     size = capacity_of_world(state.world)
     polygon_key, circle_key, joint_key, thruster_key = jax.random.split(key, 4)
     polygons = ARENA_BODIES + jax.random.permutation(polygon_key, size.polygons - ARENA_BODIES)

@@ -17,7 +17,8 @@ from kinetix.bounds import LAST_SEED
 from kinetix.bundled import named_levels, permutation_of
 from kinetix.engine.spec import Features, SceneSpec
 from kinetix.environment.arguments import kind_of
-from kinetix.environment.checks import check_features, check_params, check_static_params
+from kinetix.environment.checks import check_draw, check_static_params
+from kinetix.environment.left_out import check_features
 from kinetix.environment.params import (
     EnvParams,
     Parity,
@@ -83,8 +84,10 @@ class _OneOf:
 
     def __call__(self, key: Array) -> EnvState:
         """Draw the start of an episode."""
+        refuse_forked_process()
         index: Any = 0
         if self.edges.size:
+            check_draw(key)
             drawn = jax.random.uniform(key)
             index = jnp.sum(drawn >= jnp.asarray(self.edges, drawn.dtype), dtype=jnp.int32)
         return jax.tree.map(lambda x: x[index], self.levels)
@@ -288,20 +291,16 @@ def make_reset_fn_sample_kinetix_level(
     Raises:
         KinetixError: The two kinds of parameters are swapped, or one has a number that cannot be.
     """
-    from kinetix.environment.generators.params import UEDParams
+    from kinetix.environment.generators.params import checked_drawing
     from kinetix.environment.generators.sample import sample_kinetix_level
 
     order = "the order is make_reset_fn_sample_kinetix_level(env_params, static_env_params)"
-    check_params(env_params, order)
-    check_static_params(static_env_params, order)
-    if not isinstance(ued_params, UEDParams | None):
-        kind = type(ued_params).__name__
-        raise KinetixError(f"ued_params: expected UEDParams(…), got {kind}")
+    engine, ued = checked_drawing(physics_engine, env_params, static_env_params, ued_params, order)
     options: dict[str, Any] = {
-        "physics_engine": physics_engine or physics_engine_of(static_env_params),
+        "physics_engine": engine,
         "env_params": env_params,
         "static_env_params": static_env_params,
-        "ued_params": UEDParams() if ued_params is None else ued_params,
+        "ued_params": ued,
     }
     return shared_partial(sample_kinetix_level, **options)
 
@@ -314,11 +313,16 @@ def make_reset_fn_sample_sizes(
     Args:
         static_env_params: Sizes that all three fit, and physics.
         ued_params: Options of the random levels; None: the usual ones.
+
+    Raises:
+        KinetixError: An argument is something else, or has a number that cannot be.
     """
-    from kinetix.environment.generators.params import UEDParams
+    from kinetix.environment.generators.params import checked_options
     from kinetix.environment.generators.starts import mixed_sampler
 
-    options = UEDParams() if ued_params is None else ued_params
+    order = "the order is make_reset_fn_sample_sizes(static_env_params, ued_params)"
+    check_static_params(static_env_params, order)
+    options = checked_options(ued_params)
     return shared_partial(_draw, mixed_sampler, physics_engine_of(static_env_params), options)
 
 

@@ -12,13 +12,14 @@ from kinetix.environment.checks import check_env, check_values, check_worlds
 from kinetix.environment.devices import in_shares
 from kinetix.environment.eager import thorough
 from kinetix.environment.env import KinetixEnv
+from kinetix.environment.methods import ResetsByName
 from kinetix.environment.state import EnvState
 from kinetix.environment.wrappers import without_logs
 from kinetix.errors import KinetixError
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
-class VectorEnv:
+class VectorEnv(ResetsByName):
     """Many worlds at once: every argument and result has a leading axis of worlds.
 
     Each device steps its share. Results are the same as those of `vmap` up to rounding. All of it
@@ -109,6 +110,12 @@ class VectorEnv:
             "override_reset_state": override_reset_state,
         }
         return _spread(self.env.step, axes, batch)
+
+    @thorough
+    def step_env(self, key: Array, state: Any, action: Any, params: Any = None) -> Any:
+        """Play an action in every world; where an episode ends it stays ended. See `step`."""
+        batch = {"key": key, "state": state, "action": action, "params": params}
+        return _spread(self.env.step_env, (0, 0, 0, None), batch)
 
     @thorough
     def get_obs(self, state: Any) -> Any:

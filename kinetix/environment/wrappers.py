@@ -67,6 +67,10 @@ class LogWrapper:
         override = _given(override_reset_state)
         return self._counting(*self._env.reset(key, env_params, *override))
 
+    def reset_env(self, key: Array, params: EnvParams | None = None) -> tuple[Any, LogState]:
+        """Start an episode, and counting. See `reset`."""
+        return self.reset(key, params)
+
     def reset_to_level(
         self, key: Array, level: EnvState | LogState, env_params: EnvParams | None = None
     ) -> tuple[Any, LogState]:

@@ -2,7 +2,7 @@
 
 import inspect
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import Any, Final
 
 import gymnasium
 import numpy as np
@@ -11,6 +11,9 @@ from kinetix.bounds import LAST_SEED
 from kinetix.environment.named import make_named_env
 from kinetix.errors import KinetixError
 from kinetix.forks import refuse_forked_process
+
+PICTURE_SIDES: Final = (50, 4000)
+"""Least and greatest side of a picture [px]."""
 
 
 def refuse_fork() -> None:
@@ -57,6 +60,7 @@ def checked_words(words: Mapping[str, Any]) -> Mapping[str, Any]:
         KinetixError: One means nothing; the sentence lists those that do.
     """
     known = [name for name in inspect.signature(make_named_env).parameters if name != "auto_reset"]
+    known += ["render_mode", "render_size"]
     for word in words:
         if word not in known:
             raise KinetixError(f"{word}: no keyword of this environment; it has {', '.join(known)}")
@@ -91,6 +95,23 @@ def check_render_mode(mode: Any, known: Sequence[str]) -> None:
     """
     if mode is not None and mode not in known:
         raise KinetixError(f"render_mode={mode!r}: expected {', '.join(known)} or None")
+
+
+def check_render_size(size: Any) -> None:
+    """Refuse a size of pictures that cannot be.
+
+    Args:
+        size: What the caller passed; None: the usual one.
+
+    Raises:
+        KinetixError: It is no whole number, too small or too large.
+    """
+    least, most = PICTURE_SIDES
+    if size is not None and not (_is_whole(size) and least <= size <= most):
+        raise KinetixError(
+            f"render_size={size!r}: expected a whole number of pixels from {least} to {most}, "
+            "or None"
+        )
 
 
 def _is_whole(value: Any) -> bool:

@@ -14,6 +14,7 @@ from kinetix.errors import KinetixError
 from kinetix.gymnasium.checks import (
     check_fits,
     check_render_mode,
+    check_render_size,
     checked_options,
     checked_words,
     numbers_of,
@@ -21,6 +22,7 @@ from kinetix.gymnasium.checks import (
 )
 from kinetix.gymnasium.convert import gymnasium_space, numpy_observation
 from kinetix.gymnasium.draws import SEEDS
+from kinetix.level.geometry import ARENA_WIDTH
 
 RENDER_FPS = 30
 """Environment steps a second, at two physics steps each: what there is where none is made yet."""
@@ -34,6 +36,20 @@ def steps_per_second(env: KinetixEnv) -> float:
     """
     rate = round(1 / (float(env.env_params.dt) * env.static_env_params.frame_skip), 3)
     return int(rate) if rate.is_integer() else rate
+
+
+def with_pictures(env: KinetixEnv, size: int | None) -> KinetixEnv:
+    """Return the environment with pictures of a size; it is for drawing alone.
+
+    Args:
+        env: Whose states are drawn.
+        size: Width and height [px]; None: its own.
+    """
+    if size is None:
+        return env
+    params: Any = dataclasses.replace(env.env_params, pixels_per_unit=size // int(ARENA_WIDTH))
+    static: Any = dataclasses.replace(env.static_env_params, screen_dim=(size, size), downscale=1)
+    return dataclasses.replace(env, env_params=params, static_env_params=static)
 
 
 class KinetixGymEnv(gymnasium.Env[Any, Any]):
@@ -50,7 +66,12 @@ class KinetixGymEnv(gymnasium.Env[Any, Any]):
     }
 
     def __init__(
-        self, level: Levels = FIRST_LEVEL, *, render_mode: str | None = None, **options: Any
+        self,
+        level: Levels = FIRST_LEVEL,
+        *,
+        render_mode: str | None = None,
+        render_size: int | None = None,
+        **options: Any,
     ) -> None:
         """Make the environment.
 
@@ -58,6 +79,7 @@ class KinetixGymEnv(gymnasium.Env[Any, Any]):
             level: A level, its file, or the name of a bundled one; `s-random`, `m-random`,
                 `l-random`; or several: a folder, a level set, a list of levels.
             render_mode: `rgb_array`, or None.
+            render_size: Width and height of pictures [px]; None: 125, as agents see them.
             **options: `action_type`, `observation_type`, `physics`, `dense_reward_scale`,
                 `frame_skip`; see `kinetix.environment.named.make_named_env`.
 
@@ -67,7 +89,9 @@ class KinetixGymEnv(gymnasium.Env[Any, Any]):
         """
         refuse_fork()
         check_render_mode(render_mode, self.metadata["render_modes"])
+        check_render_size(render_size)
         self.render_mode = render_mode
+        self.render_size = render_size
         self.kinetix_env = make_named_env(level, auto_reset=False, **checked_words(options))
         # Wrappers that film and show it go by this.
         self.metadata = {**self.metadata, "render_fps": steps_per_second(self.kinetix_env)}
@@ -129,7 +153,7 @@ class KinetixGymEnv(gymnasium.Env[Any, Any]):
         """Return the picture, (height, width, 3); None without a render mode."""
         if self.render_mode is None or self._state is None:
             return None
-        return self.kinetix_env.render(self._state)
+        return with_pictures(self.kinetix_env, self.render_size).render(self._state)
 
 
 _NO_KEY = jax.random.key(0)

@@ -20,6 +20,7 @@ from kinetix.gymnasium.checks import (
     check_count,
     check_fits,
     check_render_mode,
+    check_render_size,
     checked_options,
     checked_seed,
     checked_words,
@@ -28,7 +29,7 @@ from kinetix.gymnasium.checks import (
 )
 from kinetix.gymnasium.convert import gymnasium_space, numpy_observation
 from kinetix.gymnasium.draws import Draws
-from kinetix.gymnasium.env import RENDER_FPS, steps_per_second
+from kinetix.gymnasium.env import RENDER_FPS, steps_per_second, with_pictures
 from kinetix.programs import make_room
 from kinetix.render.pixels import make_render_pixels
 
@@ -58,6 +59,7 @@ class KinetixVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
         autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
         max_episode_steps: int | None = None,
         render_mode: str | None = None,
+        render_size: int | None = None,
         **options: Any,
     ) -> None:
         """Make the environments.
@@ -68,6 +70,7 @@ class KinetixVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
             autoreset_mode: `NextStep`, `SameStep` or `Disabled`.
             max_episode_steps: Truncates episodes that last longer, besides the levels' own limits.
             render_mode: `rgb_array`, or None.
+            render_size: As for `KinetixGymEnv`.
             **options: As for `KinetixGymEnv`.
 
         Raises:
@@ -76,6 +79,7 @@ class KinetixVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
         """
         refuse_fork()
         check_render_mode(render_mode, self.metadata["render_modes"])
+        check_render_size(render_size)
         check_count("num_envs", num_envs)
         check_count("max_episode_steps", max_episode_steps, optional=True)
         try:
@@ -86,6 +90,7 @@ class KinetixVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
         self.autoreset_mode = self.mode  # where Gymnasium's own have it, and TorchRL looks
         self.num_envs = num_envs
         self.render_mode = render_mode
+        self.render_size = render_size
         self._most_steps = max_episode_steps
         self.kinetix_env = make_named_env(level, auto_reset=False, **checked_words(options))
         self.metadata = {
@@ -197,7 +202,8 @@ class KinetixVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
         """Return one picture per environment, (height, width, 3); None without a render mode."""
         if self.render_mode is None or self._state is None:
             return None
-        pixels = np.asarray(_draw(self.kinetix_env, self._state).astype(jnp.uint8))
+        drawn = with_pictures(self.kinetix_env, self.render_size)
+        pixels = np.asarray(_draw(drawn, self._state).astype(jnp.uint8))
         # A copy, as of one environment.
         return tuple(np.array(pixels.transpose(0, 2, 1, 3)[:, ::-1], order="C"))
 

@@ -39,6 +39,7 @@ from kinetix.level.model import (
     Polygon,
     Thruster,
 )
+from kinetix.level.sayable import check_sayable
 from kinetix.level.sizes import (
     size_hint,
     size_name,
@@ -55,7 +56,8 @@ def level_from_scene(
 ) -> Level:
     """A document from compiled arrays of one world: the present state becomes the initial one.
 
-    Entities get the ids 1, 2, … in slot order: polygons, circles, joints, thrusters.
+    Entities get the ids 1, 2, … in slot order: polygons, circles, joints, thrusters. Joints and
+    thrusters of bodies that are switched off have no effect and are left out.
 
     Args:
         scene: Arrays of one world, of any array library.
@@ -64,10 +66,14 @@ def level_from_scene(
             1e-5, the body carries `mass_properties`.
         description: Text of the new level.
         tags: Tags of the new level.
+
+    Raises:
+        LevelError: The arrays hold what no level can say.
     """
     bare = dataclasses.replace(scene, state=dataclasses.replace(scene.state, cache=()))
     scene = jax.tree.map(np.asarray, bare)
     world = scene.world
+    check_sayable(scene)
     capacity = capacity_of_world(world)
     references: dict[int, BodyReference] = dict(enumerate(ARENA_NAMES))
     bodies: list[Body] = []
@@ -75,8 +81,10 @@ def level_from_scene(
         if slot >= ARENA_BODIES:
             references[slot] = len(bodies) + 1
             bodies.append(_body_from(scene, slot, len(bodies) + 1, inertia_model))
-    hinges = np.flatnonzero(world.joints.active).tolist()
-    pushes = np.flatnonzero(world.thrusters.active).tolist()
+    joints, thrusters, present = world.joints, world.thrusters, world.bodies.active
+    ends_present = present[joints.body_a] & present[joints.body_b]
+    hinges = np.flatnonzero(joints.active & ends_present).tolist()
+    pushes = np.flatnonzero(thrusters.active & present[thrusters.body]).tolist()
     first = len(bodies) + 1
     return Level(
         name=name,
@@ -123,7 +131,7 @@ def _body_from(scene: Scene, slot: int, body_id: int, inertia_model: InertiaMode
     if not fixed:
         derived = shape_mass(shape, float(labels.density[slot]), inertia_model)
         if not same_masses(inverses, derived):
-            own = MassProperties(mass=1 / (inverses[0] or 1.0), inertia=1 / (inverses[1] or 1.0))
+            own = MassProperties(mass=1 / inverses[0], inertia=1 / inverses[1])
     return Body(
         id=body_id,
         shape=shape,

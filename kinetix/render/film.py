@@ -52,7 +52,7 @@ def write_film(
     frames = iter(frames)
     first = next(frames, None)
     if first is None:
-        raise KinetixError(f"{path}: a film needs at least one picture")
+        raise KinetixError("frames: a film needs at least one picture")
     frames = itertools.chain([first], frames)
     (_write_mp4 if kind == ".mp4" else _write_gif)(path, frames, per_second, comment)
 

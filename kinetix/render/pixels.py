@@ -18,6 +18,7 @@ from jaxtyping import Array, Bool, Float, Int
 
 from kinetix.engine.types import State, World
 from kinetix.errors import KinetixError
+from kinetix.forks import refuse_forked_process
 from kinetix.pytree import pytree, static
 from kinetix.renamed import also_named
 from kinetix.render import columns, poses
@@ -291,6 +292,7 @@ def _make_renderer(grid: PixelGrid, scale: float) -> Callable[["EnvState"], Floa
         return jnp.asarray(colours).at[codes].get(mode="clip")
 
     def render(env_state: Any) -> Float[Array, "x y 3"]:
+        refuse_forked_process()
         _check_state(env_state)
         return draw(env_state)
 

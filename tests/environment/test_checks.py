@@ -8,23 +8,29 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
+import kinetix
 from kinetix import (
     EnvParams,
     LogWrapper,
     StaticEnvParams,
+    UEDParams,
+    forks,
     load_from_json_file,
     make_kinetix_env,
     make_render_pixels,
     make_reset_fn_list_of_levels,
     make_reset_fn_sample_kinetix_level,
     permute_state,
+    sample_kinetix_level,
     static_env_params_from_size,
     vectorize,
 )
+from kinetix.agents.agent import Agent
 from kinetix.engine.presets import solver_named
 from kinetix.environment.actions.checks import with_usual_action
 from kinetix.environment.params import physics_engine, static_env_params_of
-from kinetix.environment.reset import level_state
+from kinetix.environment.rearrange import expand_state
+from kinetix.environment.reset import level_state, make_reset_fn_sample_sizes
 from kinetix.environment.state import stack_states
 from kinetix.errors import KinetixError
 from kinetix.level.codec import load_level
@@ -83,7 +89,7 @@ def test_states_of_something_else(small_env, small_state):
         small_env, KEY, other, ACTION
     )
     with pytest.raises(
-        KinetixError, match="expected the EnvState that an episode starts in, got an array"
+        KinetixError, match="expected the EnvState that an episode starts in, got a number"
     ):
         small_env.reset(KEY, None, 3)
     with pytest.raises(KinetixError, match=r"a batch of shape .2,.: use jax.vmap.env.reset"):
@@ -172,9 +178,11 @@ class Foreign:
 def test_keys_and_what_is_no_array(small_env, small_state):
     action = jnp.zeros(6, int)
     key = jax.random.PRNGKey(0)
-    for bad in (0, None, jnp.zeros(2)):
-        with pytest.raises(KinetixError, match=r"key: expected jax\.random\.key\(seed\), got"):
+    for bad, kind in ((0, "a number"), (None, "NoneType"), (jnp.zeros(2), "an array of shape")):
+        with pytest.raises(KinetixError, match=rf"expected jax\.random\.key\(seed\), got {kind}"):
             small_env.step(bad, small_state, action)
+    with pytest.raises(KinetixError, match="state: expected an EnvState, got a random key"):
+        small_env.step(small_state, jax.random.key(0), action)
     with pytest.raises(KinetixError, match=r"key: expected one key, got .*\(3, 2\): use jax\.vmap"):
         small_env.step(jax.random.split(key, 3), small_state, action)
     level = load_level("s/first_flight")
@@ -193,6 +201,71 @@ def test_keys_and_what_is_no_array(small_env, small_state):
         small_env.step(key, small_state, jnp.zeros(6, jnp.complex64))
     with pytest.raises(KinetixError, match="state: expected an EnvState, got NoneType"):
         small_env.get_obs(None)
+
+
+def test_a_batch_is_refused_where_one_state_belongs(small_env, small_state, small_static):
+    batch = stack_states([small_state, small_state])
+    keys = jax.random.split(KEY, 2)
+    for call, told in (
+        (lambda: small_env.get_obs(batch), r"jax\.vmap\(env\.get_obs\)"),
+        (lambda: permute_state(KEY, batch), r"jax\.vmap\(permute_state\)\(jax\.random\.split"),
+        (lambda: expand_state(batch, small_static), r"jax\.vmap\(lambda state: expand_state"),
+    ):
+        with pytest.raises(KinetixError, match=rf"one state, got a batch of .*\(2,\): use {told}"):
+            call()
+    with pytest.raises(KinetixError, match=r"one key, got .* \(2,\): use jax\.vmap\(permute_state"):
+        permute_state(keys, small_state)
+    with pytest.raises(KinetixError, match=r"key: expected jax\.random\.key\(seed\), got"):
+        permute_state(None, small_state)
+    with pytest.raises(
+        KinetixError, match=r"expected StaticEnvParams, got EnvState; the order is e"
+    ):
+        expand_state(small_static, small_state)
+    moved = jax.vmap(permute_state)(keys, batch)
+    assert jax.tree.map(jnp.shape, moved) == jax.tree.map(jnp.shape, batch)
+
+
+@pytest.mark.parametrize(
+    "call",
+    [
+        lambda env, state, static: permute_state(KEY, state),
+        lambda env, state, static: expand_state(state, static),
+        lambda env, state, static: env.render(state),
+        lambda env, state, static: make_render_pixels(EnvParams(), static)(state),
+        lambda env, state, static: Agent.act(env, None, None, KEY),
+        lambda env, state, static: make_reset_fn_list_of_levels(small_level(), static)(KEY),
+        lambda env, state, static: make_reset_fn_sample_kinetix_level(EnvParams(), static)(KEY),
+    ],
+)
+def test_a_forked_process_is_refused(monkeypatch, small_env, small_state, small_static, call):
+    monkeypatch.setattr(forks, "_FORKED", [1])
+    with pytest.raises(KinetixError, match="would hang: start it anew"):
+        call(small_env, small_state, small_static)
+
+
+def test_pictures_of_batches_and_within_a_compiled_function(small_env, small_state):
+    batch = stack_states([small_state, small_state])
+    draws = r"kinetix\.make_render_pixels\(env\.env_params, env\.static_env_params\)"
+    for env in (small_env, vectorize(small_env)):
+        with pytest.raises(KinetixError, match=rf"\(2,\): use jax\.vmap\({draws}\)"):
+            env.render(batch)
+    for transform in (jax.vmap, jax.jit):
+        with pytest.raises(KinetixError, match=f"no values within .*: use {draws} there"):
+            transform(small_env.render)(batch if transform is jax.vmap else small_state)
+
+
+def test_a_batch_is_refused_by_physics_and_reward_too(small_env, small_state):
+    batch = stack_states([small_state, small_state])
+    with pytest.raises(KinetixError, match=r"\(2,\): use jax\.vmap\(env\.engine_step\)"):
+        small_env.engine_step(batch, jnp.zeros((2, 2)))
+    with pytest.raises(KinetixError, match=r"\(2,\): use jax\.vmap\(env\.compute_reward_info\)"):
+        small_env.compute_reward_info(batch)
+
+
+def test_observations_of_states_of_another_size(small_env):
+    larger = level_state(small_level(), static_env_params_from_size("m", physics="drift"))
+    with pytest.raises(KinetixError, match=r"s \(polygons, circles, joints, thrusters\), got m: "):
+        small_env.get_obs(larger)
 
 
 def test_parts_of_an_environment_in_wrong_places(small_static):
@@ -265,6 +338,60 @@ def test_sizes_that_cannot_be(field, bad):
     static = StaticEnvParams(**{field: bad})
     with pytest.raises(KinetixError, match=rf"static_env_params\.{field}: expected .*, got"):
         make_kinetix_env("discrete", "blind", None, EnvParams(), static)
+
+
+@pytest.mark.parametrize("number", [np.array(7), jnp.int32(7), np.int64(7)])
+def test_sizes_may_be_arrays_of_one_number(number):
+    static = StaticEnvParams(num_polygons=number)
+    assert static == StaticEnvParams(num_polygons=7)
+    assert hash(static) == hash(StaticEnvParams(num_polygons=7))
+    ued = UEDParams(add_shape_n_proposals=number)
+    assert hash(ued) == hash(UEDParams(add_shape_n_proposals=7))
+
+
+@pytest.mark.parametrize(
+    ("field", "bad", "expected"),
+    [
+        ("max_shape_size", -5.0, "a finite number above 0, got -5.0"),
+        ("circle_max_size_coeff", float("inf"), "a finite number above 0"),
+        ("motor_on_chance", 1.5, "a probability from 0 to 1"),
+        ("floor_prob_red", -0.1, "a finite number from 0"),
+        ("motor_max_power", float("nan"), "a finite number"),
+        ("add_shape_n_proposals", 0, "a whole number from 1"),
+        ("inertia_model", "true", "'exact' or 'kinetix'"),
+    ],
+)
+def test_random_levels_by_numbers_that_cannot_be_are_refused(small_static, field, bad, expected):
+    ued = UEDParams(**{field: bad})
+    for make in (
+        lambda: make_reset_fn_sample_kinetix_level(EnvParams(), small_static, ued),
+        lambda: make_reset_fn_sample_sizes(small_static, ued),
+        lambda: sample_kinetix_level(KEY, None, EnvParams(), small_static, ued),
+    ):
+        with pytest.raises(KinetixError, match=rf"ued_params\.{field}: expected {expected}"):
+            make()
+
+
+def test_random_levels_of_something_else_are_refused(small_env, small_static):
+    params, engine = EnvParams(), small_env.physics_engine
+    for arguments, expected in (
+        ((None, small_static, params), "expected EnvParams, got StaticEnvParams; the order is"),
+        (
+            (small_env, params, small_static),
+            r"expected env\.physics_engine, got KinetixEnv; the or",
+        ),
+        ((engine, params, small_static, 3), r"ued_params: expected UEDParams.*, got int"),
+    ):
+        with pytest.raises(KinetixError, match=expected):
+            sample_kinetix_level(KEY, *arguments)
+    several = make_reset_fn_list_of_levels([small_level(), small_level()], small_static)
+    for draw in (make_reset_fn_sample_kinetix_level(params, small_static), several):
+        for key, expected in (
+            (3, r"key: expected jax\.random\.key\(seed\), got 3|got int"),
+            (jax.random.split(KEY, 3), r"expected one key, .* \(3,\): use jax\.vmap\(reset_fn\)"),
+        ):
+            with pytest.raises(KinetixError, match=expected):
+                draw(key)
 
 
 @pytest.mark.parametrize("sides", [[400, 300], np.array([400, 300])], ids=["list", "array"])
@@ -412,3 +539,12 @@ def test_a_permutation_beyond_the_seeds_is_refused():
     for number in (2**32, 10**22):
         with pytest.raises(KinetixError, match=r"expected \.permuteN with N from 0 to 4294967295"):
             load_from_json_file(f"s/goalkeeper.permute{number}")
+
+
+@pytest.mark.parametrize(
+    "name", ["reset.level_state", "devices.spread", "gymnax.GymnaxAdapter", "generators.filters"]
+)
+def test_modules_that_documents_name_need_no_import_of_their_own(name):
+    found = kinetix.environment
+    for part in name.split("."):
+        found = found.__getattr__(part) if hasattr(found, "__path__") else getattr(found, part)

@@ -71,3 +71,35 @@ def test_whoever_saves_or_shows_a_state_learns_how(small_state, tmp_path):
     for function in (lambda state: kinetix.save_level(state, tmp_path / "x"), kinetix.show):
         with pytest.raises(kinetix.KinetixError, match=r"got EnvState; kinetix\.level_of\(state"):
             function(small_state)
+
+
+@pytest.mark.parametrize(
+    ("part", "field", "slot", "value", "expected"),
+    [
+        ("polygon", "inverse_mass", 4, 0.0, r"polygon\[4\]: expected both or none of inv"),
+        ("circle", "inverse_inertia", 0, 0.0, r"circle\[0\]: expected both or none of inv"),
+        ("polygon", "active", 0, False, r"polygon\[0\]: expected it to be active.* its floor"),
+        ("circle", "collision_mode", 1, 3, r"circle\[1\]: expected a collision_mode from 0 to 2"),
+    ],
+)
+def test_a_body_that_no_level_has_is_refused(small_state, part, field, slot, value, expected):
+    bodies = getattr(small_state, part)
+    bodies = bodies.replace(**{field: jnp.asarray(getattr(bodies, field)).at[slot].set(value)})
+    with pytest.raises(kinetix.LevelError, match=expected):
+        kinetix.level_of(small_state.replace(**{part: bodies}))
+
+
+@pytest.mark.parametrize("role", [-1, 4])
+def test_a_role_that_no_level_has_is_refused(small_state, role):
+    roles = jnp.asarray(small_state.circle_shape_roles).at[1].set(role)
+    with pytest.raises(kinetix.LevelError, match=r"circle\[1\]: expected a role from 0 to 3"):
+        kinetix.level_of(small_state.replace(circle_shape_roles=roles))
+
+
+@pytest.mark.parametrize(("part", "slot"), [("circle", 0), ("polygon", 4)])
+def test_a_body_that_was_switched_off_takes_its_joints_and_thrusters_along(small_state, part, slot):
+    bodies = getattr(small_state, part)
+    bodies = bodies.replace(active=jnp.asarray(bodies.active).at[slot].set(False))
+    level = kinetix.level_of(small_state.replace(**{part: bodies}))
+    assert (len(level.bodies), level.joints) == (2, ())
+    assert [thruster.body for thruster in level.thrusters] == ([1] if part == "circle" else [])

@@ -7,6 +7,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
+from kinetix import EnvParams
 from kinetix.environment import eager
 from kinetix.environment.eager import quick_alone
 
@@ -33,6 +34,34 @@ CALLS = {
     "alone": lambda: TWO.times(3.0),
     "named": lambda: TWO.times(x=3.0),
 }
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class WithParams:
+    """Notes what its method is traced with."""
+
+    env_params: EnvParams = dataclasses.field(default_factory=EnvParams)
+    traced: list = dataclasses.field(default_factory=list)
+
+    @quick_alone
+    def step(self, x, env_params=None):
+        self.traced.append(env_params is None)
+        return x
+
+
+@pytest.mark.parametrize(
+    ("params", "one"),
+    [
+        (EnvParams(), True),
+        (EnvParams(dt=0.01), False),
+        (EnvParams(dt=jnp.float32(1 / 60)), False),
+    ],
+)
+def test_parameters_that_are_left_out_and_given_are_one_program(params, one):
+    env = WithParams()
+    for given in ((None,), (params,), (params,), ()):
+        env.step(1.0, *given)
+    assert env.traced == ([True] if one else [True, False])
 
 
 @pytest.mark.parametrize("way", CALLS)

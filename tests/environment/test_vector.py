@@ -144,6 +144,22 @@ def test_a_vectorised_environment_can_be_logged(batch):
     assert {leaf.shape[0] for leaf in jax.tree.leaves(begun)} == {4}
 
 
+def test_methods_by_others_names_are_those_of_many_worlds(batch):
+    many, keys, states, actions = batch
+    one = jax.tree.map(lambda leaf: leaf[0], states)
+    for env in (many, kinetix.LogWrapper(many), kinetix.vectorize(kinetix.LogWrapper(many.env))):
+        begun = jax.eval_shape(env.reset, keys)[1]
+        for function, arguments in (
+            (env.reset_to_level, (keys, one)),
+            (env.reset_to_level, (keys, states, kinetix.EnvParams())),
+            (env.reset_env, (keys,)),
+            (env.step_env, (keys, begun, actions)),
+        ):
+            assert jax.eval_shape(function, *arguments)[1] == begun
+    with pytest.raises(kinetix.KinetixError, match="action: expected one per world, 4 of them"):
+        many.step_env(keys, states, actions[:3])
+
+
 def test_values_are_looked_at_in_calls_from_python(batch):
     many, keys, states, actions = batch
     actions = np.array(actions)  # JAX's own are not waited for

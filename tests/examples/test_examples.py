@@ -39,6 +39,8 @@ RUNS = {
 
 
 REFUSED = {
+    "auto_reset": [(["--worlds", "-2"], "--worlds -2: expected at least 1")],
+    "batch_rollout": [(["--steps", "0"], "--steps 0: expected at least 1")],
     "random_level_replay": [
         (["--out", "film.txt"], "--out film.txt: expected a name that ends in .gif or .mp4"),
         (["--steps", "0"], "--steps 0: expected at least 1"),
@@ -48,7 +50,10 @@ REFUSED = {
     "inverse_render": [(["--out", "seen.txt"], "--out seen.txt: expected a name that ends as")],
     "handmade_level_replay": [(["--level", "nope"], "error: nope: there is no such file")],
     "fine_tune": [(["--level", "nope"], "error: nope: there is no such file")],
-    "ppo": [(["--plot", "seen.txt"], "--plot seen.txt: expected a name that ends in .png")],
+    "ppo": [
+        (["--plot", "seen.txt"], "--plot seen.txt: expected a name that ends in .png"),
+        (["--envs", "0"], "--envs 0: expected at least 1"),
+    ],
 }
 """Words that an example cannot take, and what it says."""
 

@@ -188,6 +188,21 @@ def test_pictures_may_be_written_into(same):
         frame[:5] = 0
 
 
+def test_pictures_have_the_size_that_is_asked_for():
+    words = {**LEVEL, "observation_type": "pixels", "render_mode": "rgb_array", "render_size": 300}
+    env, batch = KinetixGymEnv(**words), KinetixVectorEnv(1, **words)
+    usual = KinetixGymEnv(**words | {"render_size": None})
+    observation = env.reset(seed=0)[0]["image"]
+    batch.reset(seed=0)
+    usual.reset(seed=0)
+    assert observation.shape == (125, 125, 3)  # of the agent, whatever the pictures are
+    assert env.render().shape == (300, 300, 3)
+    np.testing.assert_array_equal(env.render(), batch.render()[0])
+    # The same part of the world.
+    small, large = (each.render().mean(axis=(1, 2)) for each in (usual, env))
+    np.testing.assert_allclose(large[6::12], small[2::5], atol=25)
+
+
 def test_each_environment_of_a_batch_has_the_spaces_of_one(same):
     for name in ("action_space", "observation_space"):
         assert same.get_attr(name) == (getattr(same, f"single_{name}"),) * 3
@@ -453,6 +468,9 @@ def test_a_word_that_means_nothing_is_named():
     for make in (KinetixGymEnv, KinetixVectorEnv):
         with pytest.raises(KinetixError, match="colour: no keyword of this environment; it has"):
             make(**LEVEL, colour="red")
+        for size in (0, 12.5, 10**6):
+            with pytest.raises(KinetixError, match=f"render_size={size}: expected a whole number"):
+                make(**LEVEL, render_size=size)
 
 
 @pytest.mark.parametrize("most", [0, 2.5, "many"])

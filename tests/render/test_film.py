@@ -172,7 +172,7 @@ NO_FILMS = {
     "two sizes": ("a.gif", [FRAME, FRAME[1:]], 30, r"frames\[1\]: expected the shape \(8, 9, 3\)"),
     "one": ("a.gif", FRAME, 30, r"frames\[0\]: expected \(height, width, 3\) .*got \(9, 3\)"),
     "no pictures": ("a.gif", 3, 30, "frames: expected pictures, got int"),
-    "none": ("a.gif", [], 30, "needs at least one picture"),
+    "none": ("a.gif", [], 30, "^frames: a film needs at least one picture"),
     "no folder": ("gone/a.gif", [FRAME], 30, "cannot be saved"),
 }
 

@@ -9,6 +9,7 @@ from jaxtyping import Array, Float, Int, Key, UInt
 
 from kinetix.engine.batch import worlds_first
 from kinetix.engine.promotion import usual_promotion
+from kinetix.environment.checks import check_draw
 from kinetix.environment.state import EnvState
 from kinetix.pytree import pytree
 
@@ -127,11 +128,16 @@ def sampler_of(
     """
     single = worlds_first(batched)
 
-    def draw(key: Key[Array, ""]) -> EnvState:
+    @jax.jit
+    def program(key: Key[Array, ""]) -> EnvState:
         with usual_promotion():
             return single(raw_keys(key))
 
-    return jax.jit(draw)
+    def draw(key: Key[Array, ""]) -> EnvState:
+        check_draw(key)
+        return program(key)
+
+    return draw
 
 
 class Tape:

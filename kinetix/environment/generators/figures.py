@@ -39,7 +39,7 @@ class Figures:
     circle: Bool[Array, "*r n"]
     """Circle, not polygon."""
     role: Int[Array, "*r n"]
-    """0 neutral, 1 green, 2 blue, 3 red."""
+    """0 none, 1 green, 2 blue, 3 red."""
     density: Float[Array, "*r n"]
     """Mass per area [kg/m²]."""
     fixed: Bool[Array, "*r n"]

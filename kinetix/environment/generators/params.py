@@ -1,7 +1,14 @@
 """The options of random levels: kinetix-env's names and defaults, and three switches of ours."""
 
 import math
+from typing import Any
 
+from kinetix.environment.arguments import kind_of
+from kinetix.environment.bounds import check_options, plain_numbers
+from kinetix.environment.checks import check_params, check_static_params
+from kinetix.environment.params import PhysicsEngine
+from kinetix.environment.params import physics_engine as engine_of
+from kinetix.errors import KinetixError
 from kinetix.level.model import InertiaModel
 from kinetix.pytree import pytree, short_repr, static
 
@@ -82,7 +89,7 @@ class UEDParams:
     add_shape_n_proposals: int = static(default=8)
     """Proposals for a shape, of which the one with the fewest contacts is taken; 1 at size s."""
     floor_prob_normal: float = static(default=0.9)
-    """Weight of a neutral floor."""
+    """Weight of a floor without a role."""
     floor_prob_green: float = static(default=0.0)
     """Weight of a green floor."""
     floor_prob_blue: float = static(default=0.02)
@@ -98,12 +105,60 @@ class UEDParams:
 
     __repr__ = short_repr
 
+    def __post_init__(self) -> None:
+        """Keep Python's number of an array of one, which can be hashed."""
+        plain_numbers(self)
+
     @property
     def floor_probabilities(self) -> tuple[float, float, float, float]:
-        """Weights of the floor's role: neutral, green, blue, red."""
+        """Weights of the floor's role: none, green, blue, red."""
         return (
             self.floor_prob_normal,
             self.floor_prob_green,
             self.floor_prob_blue,
             self.floor_prob_red,
         )
+
+
+def checked_options(ued_params: Any) -> UEDParams:
+    """Return the options; None means the usual ones.
+
+    Args:
+        ued_params: The argument.
+
+    Raises:
+        KinetixError: It is something else, or has a number that no level can be drawn by.
+    """
+    if ued_params is None:
+        return UEDParams()
+    if not isinstance(ued_params, UEDParams):
+        raise KinetixError(f"ued_params: expected UEDParams(…), got {type(ued_params).__name__}")
+    check_options(ued_params)
+    return ued_params
+
+
+def checked_drawing(
+    physics_engine: Any, env_params: Any, static_env_params: Any, ued_params: Any, order: str
+) -> tuple[PhysicsEngine, UEDParams]:
+    """Return the engine and the options of what draws random levels.
+
+    Args:
+        physics_engine: The argument; None: that of `static_env_params`, which may be None else.
+        env_params: The argument.
+        static_env_params: The argument.
+        ued_params: The argument; None: the usual ones.
+        order: Right order of the arguments, for the sentence.
+
+    Raises:
+        KinetixError: One is something else, or has a number that cannot be.
+    """
+    check_params(env_params, order)
+    if physics_engine is None:
+        check_static_params(static_env_params, order)
+        physics_engine = engine_of(static_env_params)
+    elif static_env_params is not None:
+        check_static_params(static_env_params, order)
+    if not isinstance(physics_engine, PhysicsEngine):
+        kind = kind_of(physics_engine)
+        raise KinetixError(f"physics_engine: expected env.physics_engine, got {kind}; {order}")
+    return physics_engine, checked_options(ued_params)

@@ -53,9 +53,8 @@ from kinetix.environment.generators.draws import (
     thruster_draws,
 )
 from kinetix.environment.generators.figures import pick
-from kinetix.environment.generators.params import UEDParams
+from kinetix.environment.generators.params import UEDParams, checked_drawing
 from kinetix.environment.params import EnvParams, PhysicsEngine, StaticEnvParams
-from kinetix.environment.params import physics_engine as engine_of
 from kinetix.environment.state import EnvState
 from kinetix.pytree import pytree
 from kinetix.renamed import also_named
@@ -340,7 +339,13 @@ def sample_kinetix_level(
         env_params: Taken for kinetix-env's sake; random levels leave the time limit to it.
         static_env_params: Taken for kinetix-env's sake; its sizes are those of the engine.
         ued_params: The options; None for the defaults.
+
+    Raises:
+        KinetixError: An argument is something else, or has a number that cannot be.
     """
-    del env_params
-    engine = physics_engine or engine_of(static_env_params)
-    return level_sampler(engine, ued_params or UEDParams())(key)
+    order = "physics_engine, env_params, static_env_params, ued_params"
+    order = f"the order is sample_kinetix_level(key, {order})"
+    engine, options = checked_drawing(
+        physics_engine, env_params, static_env_params, ued_params, order
+    )
+    return level_sampler(engine, options)(key)

@@ -25,7 +25,7 @@ from kinetix.environment.generators.mutators import (
     add_shape,
     add_thruster,
 )
-from kinetix.environment.generators.params import UEDParams
+from kinetix.environment.generators.params import UEDParams, checked_options
 from kinetix.environment.generators.sample import draw_levels
 from kinetix.environment.params import PhysicsEngine
 from kinetix.environment.state import EnvState
@@ -55,7 +55,7 @@ def mixed_sampler(
     Raises:
         KinetixError: Not even the smallest size fits.
     """
-    ued = ued_params or UEDParams()
+    ued = checked_options(ued_params)
     slots = engine.spec.capacity
     sizes = [SIZES[name] for name in AUTOMATIC if slots.covers(SIZES[name])]
     if not sizes:
@@ -95,7 +95,7 @@ def accel_start_sampler(
     It is the distribution that kinetix-env 3.0.2 describes; its own function fails when called.
     """
     ued = dataclasses.replace(
-        ued_params or UEDParams(), thruster_power_multiplier=START_THRUSTER_POWER
+        checked_options(ued_params), thruster_power_multiplier=START_THRUSTER_POWER
     )
 
     def batched(keys: UInt[Array, "n 2"]) -> EnvState:

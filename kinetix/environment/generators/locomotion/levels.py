@@ -56,7 +56,7 @@ def draw_locomotion(
         keys: A level is a function of its key alone.
         capacity: Slots; there must be room for the body, two legs, their ankles and the goal.
         params: The options.
-        ued: Only for the floor's role; None: neutral 0.75, red 0.25.
+        ued: Only for the floor's role; None: none 0.75, red 0.25.
 
     Raises:
         KinetixError: The capacity is too small.
