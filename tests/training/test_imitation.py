@@ -85,7 +85,9 @@ def test_a_search_that_was_stopped_goes_on_as_if_it_had_not_been(monkeypatch, tm
     monkeypatch.setattr(turns, "search_round", turn)
 
     def searched(name, identity="this"):
-        block = turns.Block(levels=levels, todo=todo, key=key, batch=3, rounds=2, identity=identity)
+        block = turns.SearchBlock(
+            levels=levels, todo=todo, key=key, batch=3, rounds=2, identity=identity
+        )
         return turns.search(None, block, tmp_path / name, lambda words: None)
 
     with pytest.raises(KeyboardInterrupt):

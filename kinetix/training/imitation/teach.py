@@ -39,7 +39,7 @@ from kinetix.training.imitation.teacher import (
     search_round,
     wins_again,
 )
-from kinetix.training.imitation.turns import KEPT, Block, search
+from kinetix.training.imitation.turns import KEPT, SearchBlock, search
 from kinetix.training.telling import Say, say_nothing
 from kinetix.version import __version__
 from kinetix.wording import misfit, thousands
@@ -236,7 +236,7 @@ class _Search:
         trivial = np.asarray(noop_solved(self._env, levels, EnvParams(), steps=LENGTH))
         levels = jax.tree.map(np.asarray, levels)
         todo = np.flatnonzero(~trivial)
-        block = Block(
+        block = SearchBlock(
             levels=levels,
             todo=todo,
             key=key,

@@ -52,7 +52,7 @@ class _Turns:
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
-class Block:
+class SearchBlock:
     """Levels to search, and the effort."""
 
     levels: EnvState
@@ -69,7 +69,7 @@ class Block:
     """Tells the same search from another."""
 
 
-def search(env: KinetixEnv, block: Block, kept: Path, status: Say) -> dict[int, np.ndarray]:
+def search(env: KinetixEnv, block: SearchBlock, kept: Path, status: Say) -> dict[int, np.ndarray]:
     """Return winning plans by level.
 
     Args:
