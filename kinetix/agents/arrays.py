@@ -87,7 +87,7 @@ def write_arrays(directory: Path, tree: Tree) -> None:
         tree: Nested dictionaries of arrays.
 
     Raises:
-        CheckpointError: The system refused.
+        OSError: The system refused; the reason alone, as the folder may have a passing name.
     """
     # Importing orbax takes a second; only those who save or load pay for it.
     import orbax.checkpoint as ocp
@@ -99,7 +99,7 @@ def write_arrays(directory: Path, tree: Tree) -> None:
         with ocp.StandardCheckpointer(multiprocessing_options=_alone()) as checkpointer:
             checkpointer.save(directory.resolve(), host)
     except Exception as error:
-        raise CheckpointError(f"{directory}: cannot be written: {_reason(error)}") from None
+        raise OSError(_reason(error)) from None
     # It says where on this machine the arrays were written; nothing reads it.
     (directory / "commit_success.txt").unlink(missing_ok=True)
 
@@ -109,9 +109,8 @@ def _check_room(directory: Path, size: int) -> None:
     needed = size + size // 8 + 2 * MIB
     free = shutil.disk_usage(directory.parent).free
     if free < needed:
-        raise CheckpointError(
-            f"{directory}: cannot be written: No space left on device: {needed // MIB} MiB are "
-            f"needed, {free // MIB} MiB are free"
+        raise OSError(
+            f"No space left on device: {needed // MIB} MiB are needed, {free // MIB} MiB are free"
         )
 
 

@@ -40,7 +40,9 @@ def replacing_directory(directory: Path) -> Iterator[Path]:
         yield temporary
         _replace(temporary, directory)
     except OSError as error:
-        raise CheckpointError(f"{directory}: cannot be written: {error}") from error
+        # What the system says names the passing folder, which nobody knows.
+        why = error.strerror or error
+        raise CheckpointError(f"{directory}: cannot be written: {why}") from error
     finally:
         shutil.rmtree(temporary, ignore_errors=True)
 

@@ -77,7 +77,7 @@ def run(command: Teach) -> int:
         except (KeyboardInterrupt, Terminated):
             kept = f"{plural(written, 'episode')} of this search kept; " if written else ""
             terminal.say(
-                f"stopped: {kept}the {SHARD} levels under way begin anew with the same command"
+                f"stopped: {kept}the same command goes on with the {SHARD} levels under way"
             )
             raise
     print(f"{command.out}: {_told(done)}")

@@ -283,11 +283,11 @@ def _room(setup: Any) -> str:
 
 def _line(report: Any) -> str:
     """A report for people; returns and solve rates are those of many episodes."""
-    metrics = report.metrics
+    metrics, rate = report.metrics, report.steps_per_second
     parts = [
         f"{report.update}/{report.updates}",
         f"{thousands(report.env_steps)} steps",
-        f"{thousands(round(report.steps_per_second))}/s",
+        f"{'–' if rate is None else thousands(round(rate))}/s",
         *_learnt(metrics),
     ]
     if report.seconds_left is not None:

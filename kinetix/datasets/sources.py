@@ -13,6 +13,7 @@ from kinetix.datasets.offline import ORIGINS, is_offline, read_offline
 from kinetix.datasets.traces import episode_of_trace
 from kinetix.errors import KinetixError
 from kinetix.level.sets import SetLevel, read_levels
+from kinetix.wording import plural
 
 SUFFIX: Final = ".npz"
 """Of shards and of episodes that the editor saved."""
@@ -115,11 +116,13 @@ def check_source(source: str) -> tuple[str, ...]:
 
     Returns:
         A sentence per file below a folder that is called a level, an episode or a data set and is
-        none: they are passed over.
+        none, and one about levels without a solution: they are passed over.
     """
     places = _places(source)
-    saved = (each for _, each in places.saved())
-    return (*places.passed_over, *(str(each) for each in saved if isinstance(each, KinetixError)))
+    saved = (str(each) for _, each in places.saved() if isinstance(each, KinetixError))
+    unsolved = sum(each.level.solution is None for each in places.levels)
+    told = (f"{source}: {plural(unsolved, 'level')} without a recorded solution",)
+    return (*places.passed_over, *saved, *(told if unsolved else ()))
 
 
 def origins_of(source: str) -> Iterator[Origin]:

@@ -39,7 +39,8 @@ class Report:
     update: int
     updates: int
     env_steps: int
-    steps_per_second: float
+    steps_per_second: float | None
+    """None after an update in which something was compiled: mostly that takes its time."""
     seconds_left: float | None
     """Estimate of the remaining time, evaluations included [s]; None while it is not known."""
     metrics: Mapping[str, float]
@@ -83,7 +84,8 @@ def loop(
         numbers = {name: float(np.asarray(value)) for name, value in metrics.items()}
         _refuse_divergence(numbers, progress.updates + 1)
         took = time.monotonic() - began
-        view.pace.worked(trainer.work.taken())
+        parts = trainer.work.taken()
+        view.pace.worked(parts)
         numbers |= view.averages.add(numbers)
         done = progress.updates + 1
         seconds = progress.seconds + took
@@ -112,7 +114,8 @@ def loop(
         if saving:
             save(run, state, progress, numbers)
         if report is not None and is_leader():
-            report(_report(config, progress, took, numbers, view.pace.seconds_left(done)))
+            typical = None if any(part.compiled for part in parts) else took
+            report(_report(config, progress, typical, numbers, view.pace.seconds_left(done)))
     return state, progress
 
 
@@ -180,7 +183,7 @@ def _timing(config: PpoConfig, progress: StoredProgress, took: float) -> dict[st
 def _report(
     config: PpoConfig,
     progress: StoredProgress,
-    took: float,
+    took: float | None,
     metrics: Mapping[str, float],
     seconds_left: float | None,
 ) -> Report:
@@ -188,7 +191,7 @@ def _report(
         update=progress.updates,
         updates=config.num_updates,
         env_steps=progress.updates * config.steps_per_update,
-        steps_per_second=config.steps_per_update / max(took, 1e-9),
+        steps_per_second=None if took is None else config.steps_per_update / max(took, 1e-9),
         seconds_left=seconds_left,
         metrics=metrics,
     )
@@ -232,5 +235,9 @@ def save(run: Training, state: Any, progress: StoredProgress, results: Mapping[s
         write_state(directory, host, progress)
 
     target = checkpoint_of(run.out, run.trainer.setup.config, progress)
-    write_checkpoint(target, agent.card, agent.params["params"], extra=beside)
+    try:
+        write_checkpoint(target, agent.card, agent.params["params"], extra=beside)
+    except KinetixError as error:
+        told = f"{error}; after that is mended, the same command goes on"
+        raise KinetixError(told) from None
     forget_older(run.out)

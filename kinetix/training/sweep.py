@@ -12,16 +12,17 @@ import io
 import itertools
 import json
 import math
+import os
 import random
 import re
 import statistics
 import tomllib
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence, Set
 from pathlib import Path
 from typing import Any, Final
 
 from kinetix.errors import KinetixError
-from kinetix.files.regular import FileError, read_text
+from kinetix.files.regular import FileError, read_bytes, read_text
 from kinetix.lazy import hint
 from kinetix.wording import thousands
 
@@ -33,6 +34,8 @@ RESULTS: Final = {
     "steps": ("timing/num_env_steps",),
 }
 """Columns of the table: the first of these metrics that a run has, the newest of its rows."""
+_SEEDS: Final = "seeds"
+"""Column of the number of trainings that the results are means over."""
 _PARTS: Final = ("grid", "random", "run")
 _IN_VAIN: Final = 1000
 """Draws one after the other that are there already, after which no other is expected."""
@@ -192,7 +195,7 @@ def results(out: Path, run: SweepRun) -> dict[str, float]:
         known = [value for value in values if value is not None]
         if known:
             found[column] = statistics.fmean(known)
-    return found | {"seeds": len(rows)} if rows else {}
+    return found | {_SEEDS: len(rows)} if rows else {}
 
 
 def _newest(rows: Sequence[Mapping[str, float]]) -> dict[str, float]:
@@ -214,6 +217,9 @@ def table(out: Path, runs: Sequence[SweepRun]) -> list[dict[str, Any]]:
 def write_table(out: Path, runs: Sequence[SweepRun]) -> None:
     """Write the table into the sweep's directory.
 
+    Runs of the table that is there, of a sweep that was changed since, stay in it while their
+    directories are there.
+
     Args:
         out: The sweep's directory.
         runs: Its runs.
@@ -221,16 +227,35 @@ def write_table(out: Path, runs: Sequence[SweepRun]) -> None:
     from kinetix.files.atomic import write_atomically
     from kinetix.files.folders import made_folder
 
-    rows = table(out, runs)
+    every = [*runs, *_earlier(out, {run.name for run in runs})]
+    values = dict.fromkeys(name for run in every for name in run.values)
     text = io.StringIO()
-    writer = csv.DictWriter(text, list(dict.fromkeys(name for row in rows for name in row)))
+    writer = csv.DictWriter(text, ["run", *values, *RESULTS, _SEEDS])
     writer.writeheader()
-    writer.writerows({name: _cell(value) for name, value in row.items()} for row in rows)
+    for row in table(out, every):
+        writer.writerow({name: _cell(name, value) for name, value in row.items()})
     made_folder(out)
     write_atomically(out / TABLE, text.getvalue().encode())
 
 
-def _cell(value: Any) -> Any:
+def _earlier(out: Path, names: Set[str]) -> list[SweepRun]:
+    """The runs of the table that is there, besides those of now, whose directories are there."""
+    if not os.path.isfile(out / TABLE):
+        return []
+    text = read_bytes(out / TABLE, "run").decode("utf-8", errors="replace")
+    found: dict[str, SweepRun] = {}
+    for row in csv.DictReader(io.StringIO(text)):
+        name = row.pop("run", None)
+        if name and name not in names and os.path.isdir(out / name):
+            values = {key: cell for key, cell in row.items() if key and cell}
+            own = {key: values[key] for key in values if key not in (*RESULTS, _SEEDS)}
+            found[name] = SweepRun(name, own)
+    return list(found.values())
+
+
+def _cell(name: str, value: Any) -> Any:
+    if name == "steps":
+        return round(value)
     return json.dumps(value) if isinstance(value, list) else value
 
 

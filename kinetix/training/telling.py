@@ -21,18 +21,18 @@ def now_and_then(say: Say) -> Say:
     """Return what takes words for work under way and says some of them.
 
     Each new kind of work (the words before the first number tell) is said at once, then one line
-    in a while.
+    in a while, if it is another.
 
     Args:
         say: Takes a sentence.
     """
-    kind, last = "", 0.0
+    kind, said, last = "", "", 0.0
 
     def status(text: str) -> None:
-        nonlocal kind, last
+        nonlocal kind, said, last
         first, now = re.split(r"\d", text, maxsplit=1)[0], time.monotonic()
-        if first != kind or now - last >= STATUS_INTERVAL:
-            kind, last = first, now
+        if first != kind or (text != said and now - last >= STATUS_INTERVAL):
+            kind, said, last = first, text, now
             say(text)
 
     return status

@@ -351,7 +351,7 @@ def test_a_search_for_data_that_the_system_ends_says_what_is_kept(tmp_path, monk
     monkeypatch.setattr("kinetix.training.imitation.teach.teach", ended)
     words = ["teach", "--size", "s", "--count", "20", "--out", str(tmp_path / "data")]
     assert cli.main(words) == TERMINATED
-    assert "the 256 levels under way begin anew with the same command" in capsys.readouterr().err
+    assert "the same command goes on with the 256 levels under way" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(

@@ -98,7 +98,9 @@ def test_the_command_gathers_and_verifies(tmp_path: Path) -> None:
     assert run(VerifyDataset(folder=out)) == 0
 
 
-def test_a_refused_command_leaves_no_folder_behind(tmp_path: Path) -> None:
+def test_a_refused_command_leaves_no_folder_behind(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     """An output folder that the command made is removed when nothing was written to it."""
     out, unsolved = tmp_path / "out", tmp_path / "unsolved.json"
     with pytest.raises(KinetixError, match="expected a data set"):
@@ -107,6 +109,8 @@ def test_a_refused_command_leaves_no_folder_behind(tmp_path: Path) -> None:
         run(RecordEpisodes(out=out, agent="nope", levels=(LEVEL,)))
     save_level(load_level(LEVEL).replace(solution=None), unsolved)
     assert run(GatherEpisodes(out=out, sources=(str(unsolved),))) == 1
+    told = f"left out: {unsolved}: 1 level without a recorded solution"
+    assert told in capsys.readouterr().err
     assert not out.exists()
 
 

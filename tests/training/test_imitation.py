@@ -29,7 +29,7 @@ from kinetix.level.model import Solution
 from kinetix.level.sets import SetLevel
 from kinetix.level.sizes import SIZES
 from kinetix.training.config import ActionName, BcConfig
-from kinetix.training.imitation import lessons, sources, starts, teach
+from kinetix.training.imitation import lessons, sources, starts, teach, turns
 from kinetix.training.imitation.clone import imitation_loss, in_pieces, kept_back
 from kinetix.training.imitation.lessons import played_again, state_at
 from kinetix.training.run import train
@@ -70,11 +70,46 @@ def test_the_teacher_wins_random_levels_and_says_how_many(data):
     assert stored["yield"]["won"] == told.won
 
 
+def test_a_search_that_was_stopped_goes_on_as_if_it_had_not_been(monkeypatch, tmp_path):
+    todo, key, calls = np.array([1, 2, 4, 5, 7, 8, 9]), jax.random.PRNGKey(0), []
+    levels = np.arange(10)
+
+    def turn(env, states, elite, key):
+        calls.append(states)
+        if len(calls) == 4:
+            raise KeyboardInterrupt
+        draw = np.random.default_rng(np.asarray(key))
+        plans = elite + draw.integers(0, 9, (3, 1, 1, 1), np.int8)
+        return types.SimpleNamespace(elite=plans, won=draw.random(3) < 0.4)
+
+    monkeypatch.setattr(turns, "search_round", turn)
+
+    def searched(name, identity="this"):
+        block = turns.SearchBlock(
+            levels=levels, todo=todo, key=key, batch=3, rounds=2, identity=identity
+        )
+        return turns.search(None, block, tmp_path / name, lambda words: None)
+
+    with pytest.raises(KeyboardInterrupt):
+        searched("a")
+    found = searched("a")
+    stopped = len(calls)
+    whole = searched("b")
+    assert len(calls) - stopped == stopped - 1
+    assert 0 < len(found) < len(todo) and found.keys() == whole.keys()
+    assert all(np.array_equal(found[level], whole[level]) for level in whole)
+    before = len(calls)
+    searched("b", "another")  # another search does not go on with it
+    assert len(calls) - before == stopped - 1
+    (tmp_path / "b").write_bytes(b"damaged")
+    assert searched("b").keys() == whole.keys()
+
+
 def test_a_search_without_hope_ends(monkeypatch, tmp_path):
     with pytest.raises(KinetixError, match="no joints and no thrusters"):
         teach.teach(teach.TeachConfig(size="4,0,0,0", batch=8), 1, tmp_path / "still")
     nothing = ([], {"trivial": 0, "won": 0})
-    monkeypatch.setattr(teach._Search, "__init__", lambda self, config, status: None)
+    monkeypatch.setattr(teach._Search, "__init__", lambda self, *_: None)
     monkeypatch.setattr(teach._Search, "shard", lambda self, number: nothing)
     monkeypatch.setattr(teach, "SHARD", 256)
     with pytest.raises(KinetixError, match="none of 1 024 levels was won"):
@@ -414,7 +449,7 @@ def test_an_interrupted_teacher_says_what_is_kept(
     status = main(["teach", "--size", "s", "--count", "2", "--out", str(tmp_path)])
     assert status == (130 if stop is KeyboardInterrupt else 143)
     told = capsys.readouterr().err
-    under_way = f"the {teach.SHARD} levels under way begin anew with the same command"
+    under_way = f"the same command goes on with the {teach.SHARD} levels under way"
     assert f"stopped: {kept}{under_way}\n" in told
 
 

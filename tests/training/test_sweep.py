@@ -8,7 +8,7 @@ import pytest
 
 from kinetix.cli import main
 from kinetix.errors import KinetixError
-from kinetix.training.sweep import lines, read_sweep, table
+from kinetix.training.sweep import lines, read_sweep, table, write_table
 
 
 def _read(tmp_path, text):
@@ -116,6 +116,22 @@ def test_results_are_means_over_seeds_and_the_best_stands_first(tmp_path):
     assert text[3].split() == ["–", "–", "–", "gamma=0.995"]
 
 
+def test_runs_of_a_sweep_that_was_changed_stay_in_the_table(tmp_path):
+    write_table(tmp_path, _read(tmp_path, "[grid]\ngamma = [0.9, 0.99]\nlevels = [['a', 'b']]\n"))
+    kept, gone = "gamma=0.9,levels=a+b", "gamma=0.99,levels=a+b"
+    assert gone in (tmp_path / "sweep.csv").read_text()
+    (tmp_path / kept).mkdir()
+    row = {"timing/num_updates": 1, "timing/num_env_steps": 64, "average/episode_solved": 0.5}
+    (tmp_path / kept / "metrics.jsonl").write_text(json.dumps(row) + "\n")
+    for _ in range(2):
+        write_table(tmp_path, _read(tmp_path, "[grid]\nseed = [1]\n"))
+        with (tmp_path / "sweep.csv").open() as file:
+            rows = {row.pop("run"): row for row in csv.DictReader(file)}
+        assert list(rows) == [kept, "seed=1"]
+        assert rows[kept]["levels"] == '["a", "b"]' and rows[kept]["gamma"] == "0.9"
+        assert rows[kept]["solve_rate"] == "0.5" and rows["seed=1"]["solve_rate"] == ""
+
+
 _NUMBERS = {"num-train-envs": 8, "num-steps": 4, "num-minibatches": 2, "update-epochs": 1}
 _NUMBERS |= {"total-timesteps": 64, "eval-freq": 0, "size": "s", "physics": "jax2d"}
 _NUMBERS |= {"actor-depth": 1, "critic-depth": 1, "actor-width": 8, "critic-width": 8}
@@ -130,11 +146,13 @@ def test_the_command_trains_every_run_and_goes_on(tmp_path, capsys):
     assert main(words) == 0
     told = capsys.readouterr()
     assert "1/2: " in told.err
+    assert "1/2  32 steps  –/s" in told.err  # most of its time was compilation
     assert len(told.out.strip().splitlines()) >= 3
     with (out / "sweep.csv").open() as file:
         rows = list(csv.DictReader(file))
     assert {row["gamma"] for row in rows} == {"0.9", "0.99"}
-    assert {row["steps"] for row in rows} == {"64.0"}
+    assert {row["steps"] for row in rows} == {"64"}
+    assert list(rows[0]) == ["run", "gamma", "solve_rate", "return", "steps", "seeds"]
     # The same command finds everything done.
     assert main(words) == 0
     assert "1/2  " not in capsys.readouterr().err

@@ -39,7 +39,9 @@ from kinetix.training.imitation.teacher import (
     search_round,
     wins_again,
 )
+from kinetix.training.imitation.turns import KEPT, SearchBlock, search
 from kinetix.training.telling import Say, say_nothing
+from kinetix.version import __version__
 from kinetix.wording import misfit, thousands
 
 PROGRESS: Final = "teach.json"
@@ -135,7 +137,7 @@ def teach(
     Args:
         config: What is searched.
         count: How many levels shall be won.
-        out: Folder of the data set; the same one goes on where it stopped.
+        out: Folder of the data set; the same one goes on where it stopped, within a shard too.
         report: Called after every shard.
         status: Takes words for what is under way, which the next ones may replace.
 
@@ -147,7 +149,7 @@ def teach(
         so_far = _resumed(config, out)
         if so_far.won >= count:
             return so_far
-        search = _Search(config, status)
+        searching = _Search(config, out, status)
         first = so_far.shards
         while so_far.won < count:
             if not so_far.won and so_far.shards - first >= _HOPELESS:
@@ -156,7 +158,7 @@ def teach(
                     "choose a larger size, or more --rounds"
                 )
             began = time.monotonic()
-            found, told = search.shard(so_far.shards)
+            found, told = searching.shard(so_far.shards)
             # Of a stop between the two writes only this comes twice, and is known then.
             data.add(found)
             so_far = Yield(
@@ -169,6 +171,7 @@ def teach(
                 seconds=so_far.seconds + time.monotonic() - began,
             )
             _note(config, so_far, out)
+            (out / KEPT).unlink(missing_ok=True)
             report(so_far)
     return so_far
 
@@ -206,8 +209,9 @@ def _resumed(config: TeachConfig, out: Path) -> Yield:
 class _Search:
     """Draws levels and searches them, a shard's worth at a time."""
 
-    def __init__(self, config: TeachConfig, status: Say) -> None:
+    def __init__(self, config: TeachConfig, out: Path, status: Say) -> None:
         self._config = config
+        self._out = out
         self._status = status
         capacity = parse_capacity(config.size)
         static = static_env_params_of(capacity, physics=config.physics)
@@ -232,7 +236,15 @@ class _Search:
         trivial = np.asarray(noop_solved(self._env, levels, EnvParams(), steps=LENGTH))
         levels = jax.tree.map(np.asarray, levels)
         todo = np.flatnonzero(~trivial)
-        plans = self._searched(levels, todo, key)
+        block = SearchBlock(
+            levels=levels,
+            todo=todo,
+            key=key,
+            batch=self._config.batch,
+            rounds=self._config.rounds,
+            identity=json.dumps([dataclasses.asdict(self._config), index, SHARD, __version__]),
+        )
+        plans = search(self._env, block, self._out / KEPT, self._status)
         dice = np.random.default_rng((self._config.seed, index))
         attempts = self._attempts(
             levels, plans, dice, jax.random.fold_in(key, _COPIES), index * SHARD
@@ -249,32 +261,6 @@ class _Search:
         levels = [numbered_machine(self._config.seed, self._config.size, k) for k in numbers]
         rows = [level_state(level, static) for level in levels]
         return jax.tree.map(lambda *x: np.stack([np.asarray(one) for one in x]), *rows)
-
-    def _searched(self, levels: EnvState, todo: np.ndarray, key: Any) -> dict[int, np.ndarray]:
-        """Winning plans by level: a place that is done takes the next level."""
-        places = np.resize(todo, self._config.batch)
-        waiting = list(todo[self._config.batch :])
-        active = np.arange(len(places)) < len(todo)
-        age = np.zeros(len(places), int)
-        elite = np.zeros((len(places), ELITE, LENGTH, 6), np.int8)
-        plans: dict[int, np.ndarray] = {}
-        turn = 0
-        while active.any():
-            states = jax.tree.map(lambda x: x[places], levels)
-            turn += 1
-            begun = len(todo) - len(waiting)
-            self._status(f"searching: {begun} of {len(todo)} levels begun, {len(plans)} won")
-            result = search_round(self._env, states, elite, jax.random.fold_in(key, turn))
-            elite, won = np.array(result.elite), np.asarray(result.won)
-            age += 1
-            for k in np.flatnonzero(active & (won | (age >= self._config.rounds))):
-                if won[k]:
-                    plans[int(places[k])] = elite[k, 0].copy()
-                elite[k], age[k] = 0, 0
-                active[k] = bool(waiting)
-                if waiting:
-                    places[k] = waiting.pop(0)
-        return plans
 
     def _attempts(
         self,
