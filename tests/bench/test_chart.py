@@ -1,5 +1,6 @@
 import json
 import math
+from pathlib import Path
 
 import pytest
 from PIL import Image
@@ -123,6 +124,16 @@ def test_picture_shows_failures_too(tmp_path):
     first, second = ((tmp_path / name).read_bytes() for name in ("without.png", "with.png"))
     assert first.startswith(b"\x89PNG") and second.startswith(b"\x89PNG")
     assert first != second
+
+
+def test_a_class_that_nobody_was_timed_in_has_no_row(tmp_path):
+    def height(*points):
+        draw_chart(points, tmp_path / "chart.png")
+        with Image.open(tmp_path / "chart.png") as picture:
+            return picture.height
+
+    one, other = point("balanced", 10, 0.01), point("balanced", 10, 0.01, group="impacts")
+    assert height(one, other) > 1.5 * height(one)
 
 
 def test_command_draws_from_what_is_stored(results, tmp_path, capsys, monkeypatch):
@@ -272,3 +283,9 @@ def test_towers_stand_on_the_floor_side_by_side():
     places = [body.position for body in level.bodies[1:]]
     assert len(places) == len(set(places)) == 9
     assert {round(y, 3) for _, y in places} == {0.1, 0.3, 0.5, 0.7}
+
+
+def test_the_documents_chart_has_the_errors_that_are_stored():
+    drawn = json.loads(Path("docs/chart.json").read_text())["points"]
+    stored = {(p.name, p.group, p.batch): p.error for p in read_points(Path("bench"))}
+    assert {(p["name"], p["group"], p["batch"]): p["error"] for p in drawn} == stored, "make chart"

@@ -29,7 +29,7 @@ TOP: Final = 20.0
 
 
 def draw_chart(points: Sequence[Point], file: Path, *, note: str = "") -> None:
-    """Draw all points into a PNG file.
+    """Draw all points into a PNG file; a class of scenes that nobody was timed in has no row.
 
     Args:
         points: Of any engines, classes and batch sizes.
@@ -40,10 +40,12 @@ def draw_chart(points: Sequence[Point], file: Path, *, note: str = "") -> None:
         KinetixError: The extra `bench` is not installed.
     """
     batches = sorted({point.batch for point in points})
-    figure = new_figure(4.6 * len(batches) + 2.2, 3.1 * len(SCENE_CLASSES))
-    axes = figure.subplots(len(SCENE_CLASSES), len(batches), squeeze=False)
+    measured = {point.group for point in points}
+    groups = [group for group in SCENE_CLASSES if group in measured]
+    figure = new_figure(4.6 * len(batches) + 2.2, 3.1 * len(groups))
+    axes = figure.subplots(len(groups), len(batches), squeeze=False)
     labels = []
-    for row, group in enumerate(SCENE_CLASSES):
+    for row, group in enumerate(groups):
         for column, batch in enumerate(batches):
             facet = [p for p in points if p.group == group and p.batch == batch]
             _draw_facet(axes[row][column], facet, group, batch)
