@@ -1,6 +1,7 @@
 """The documents: what they print runs, what is generated is up to date, the site stands alone."""
 
 import dataclasses
+import json
 import os
 import re
 import shlex
@@ -98,6 +99,35 @@ def test_generated_parts_are_up_to_date():
 
     stale = [path.name for path, text in documents().items() if path.read_text() != text]
     assert stale == [], "run `make levels`"
+
+
+def test_a_tuple_of_unlike_items_is_told_item_by_item():
+    from scripts.reference_docs import format_tables
+
+    tables = format_tables()
+    assert "| list of [whole 1 … 100000, [6 × whole 0 … 2]] |" in tables
+    assert "| `gravity` | [2 × real -100 … 100] |" in tables
+
+
+def test_the_page_on_accuracy_names_every_scene_that_is_not_good():
+    measured = ROOT / "bench" / "accuracy"
+    rows = {
+        physics: list(map(json.loads, (measured / f"{physics}.jsonl").read_text().splitlines()))
+        for physics in ("fast", "balanced", "accurate")
+    }
+    bad = {
+        (physics, row["scene"])
+        for physics, of in rows.items()
+        for row in of
+        if row["verdict"] in ("ok", "fail")
+    }
+    text = (ROOT / "docs/accuracy.md").read_text()
+    told = text.partition("What is not\ngood, and why:")[2].partition("<!-- results -->")[0]
+    named = set()
+    for who, which in re.findall(r"^\| ([^|]*) \| ([A-Z]\d[^|]*) \|", told, re.MULTILINE):
+        players = rows if who == "all three" else re.findall(r"`(\w+)`", who)
+        named |= {(physics, scene) for physics in players for scene in which.split(", ")}
+    assert named == bad
 
 
 def test_every_level_has_its_thumbnail():
