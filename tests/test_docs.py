@@ -13,6 +13,7 @@ from pathlib import Path
 
 import pytest
 
+import kinetix
 from kinetix import EnvParams, StaticEnvParams, UEDParams, cli
 from kinetix.environment.replay import noop_outcome, play_actions
 from kinetix.level.validate import validate
@@ -128,6 +129,20 @@ def test_the_page_on_accuracy_names_every_scene_that_is_not_good():
         players = rows if who == "all three" else re.findall(r"`(\w+)`", who)
         named |= {(physics, scene) for physics in players for scene in which.split(", ")}
     assert named == bad
+
+
+def test_the_reference_has_the_public_names():
+    sections = dict(
+        re.findall(r"^## (.*?)$(.*?)(?=^## |\Z)", (ROOT / "docs/api.md").read_text(), re.M | re.S)
+    )
+    of_kinetix = ("Names", "Parameters", "Kinds of action and observation", "Errors")
+    listed = {
+        place for title in of_kinetix for place in re.findall(r"^::: (\S+)$", sections[title], re.M)
+    }
+    homes = {f"{home}.{name}": home for name, home in kinetix._HOME.items()}
+    homes.pop("kinetix.version.__version__")
+    assert sorted(place for place, home in homes.items() if not {place, home} & listed) == []
+    assert sorted(listed - set(homes) - set(homes.values())) == []
 
 
 def test_every_level_has_its_thumbnail():
