@@ -72,6 +72,12 @@ def test_the_commands_are_understood(line, monkeypatch):
     assert len(seen) == 1
 
 
+def test_every_page_is_in_the_menu_of_the_site():
+    menu = re.findall(r"(\S+\.md)$", (ROOT / "mkdocs.yml").read_text(), re.MULTILINE)
+    pages = {path.relative_to(ROOT / "docs").as_posix() for path in (ROOT / "docs").rglob("*.md")}
+    assert pages - set(menu) == set()
+
+
 def test_configurations_can_be_read():
     for document in DOCUMENTS:
         for block in blocks(document, "toml"):
