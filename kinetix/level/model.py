@@ -418,8 +418,8 @@ class Solution(Record, frozen=True, kw_only=True):
         tuple[tuple[Annotated[int, Meta(ge=1, le=MAX_STEPS)], _Channels], ...],
         Meta(
             max_length=MAX_STEPS,
-            description="Runs: how many environment steps, then what is driven: four motor controls "
-            "(0 off, 1 counter-clockwise, 2 clockwise) and two thrusters (0 off, 1 on)",
+            description="Runs: how many environment steps, then what is driven: four motor "
+            "controls (0 off, 1 counter-clockwise, 2 clockwise) and two thrusters (0 off, 1 on)",
         ),
     ]
     """At most `MAX_STEPS` steps in all."""
