@@ -39,7 +39,7 @@ def main() -> None:
 
 
 def _told(name: str, ours: Rows) -> str:
-    """The engine's name; of one that a method of ours is named after, with what tells them apart."""
+    """The engine's name, told apart from a method of ours of the same name."""
     return f"{name} (package)" if name in ours else name
 
 
