@@ -32,9 +32,15 @@ def main() -> None:
     """Put the results between the marks of the page."""
     ours = {file.stem: read_rows(file) for file in sorted(RESULTS.glob("*.jsonl"), key=_place)}
     files = {peer.name: PEER_RESULTS / f"{file_name(peer.name)}.jsonl" for peer in PEERS}
-    peers = {name: read_rows(file) for name, file in files.items() if file.exists()}
+    there = {name: file for name, file in files.items() if file.exists()}
+    peers = {_told(name, ours): read_rows(file) for name, file in there.items()}
     text = between(PAGE.read_text(), "results", ours)
     PAGE.write_text(between(text, "peers", peers))
+
+
+def _told(name: str, ours: Rows) -> str:
+    """The engine's name, told apart from a method of ours of the same name."""
+    return f"{name} (package)" if name in ours else name
 
 
 def between(text: str, mark: str, results: Rows) -> str:

@@ -110,8 +110,10 @@ def _kind(value: dict[str, Any]) -> str:
     if "enum" in value:
         return ", ".join(f"`{json.dumps(each)}`" for each in value["enum"])
     if "prefixItems" in value:
-        items = list(dict.fromkeys(_kind(item) for item in value["prefixItems"]))
-        return f"[{len(value['prefixItems'])} × {', '.join(items)}]"
+        items = [_kind(item) for item in value["prefixItems"]]
+        if len(set(items)) == 1:
+            items = [f"{len(items)} × {items[0]}"]
+        return f"[{', '.join(items)}]"
     if value.get("type") == "array":
         return f"list of {_kind(value['items'])}"
     words = {"number": "real", "integer": "whole", "boolean": "true/false", "string": "text"}

@@ -1,6 +1,7 @@
 """The documents: what they print runs, what is generated is up to date, the site stands alone."""
 
 import dataclasses
+import json
 import os
 import re
 import shlex
@@ -12,6 +13,7 @@ from pathlib import Path
 
 import pytest
 
+import kinetix
 from kinetix import EnvParams, StaticEnvParams, UEDParams, cli
 from kinetix.environment.replay import noop_outcome, play_actions
 from kinetix.level.validate import validate
@@ -62,12 +64,18 @@ def test_the_small_level_is_won_as_its_description_says(tmp_path, monkeypatch):
 
 @pytest.mark.parametrize("line", list(commands()))
 def test_the_commands_are_understood(line, monkeypatch):
-    # What stands for a choice of the reader's, as in RUN|AGENT|noop.
-    words = [word.split("|")[-1] for word in shlex.split(line, comments=True)[1:]]
+    words = shlex.split(line, comments=True)[1:]
+    assert not any("|" in word for word in words), "a shell takes | for a pipe"
     seen = []
     monkeypatch.setattr(f"kinetix.cli.{words[0]}.run", lambda command: seen.append(command) or 0)
     assert cli.main(words) == 0
     assert len(seen) == 1
+
+
+def test_every_page_is_in_the_menu_of_the_site():
+    menu = re.findall(r"(\S+\.md)$", (ROOT / "mkdocs.yml").read_text(), re.MULTILINE)
+    pages = {path.relative_to(ROOT / "docs").as_posix() for path in (ROOT / "docs").rglob("*.md")}
+    assert pages - set(menu) == set()
 
 
 def test_configurations_can_be_read():
@@ -98,6 +106,49 @@ def test_generated_parts_are_up_to_date():
 
     stale = [path.name for path, text in documents().items() if path.read_text() != text]
     assert stale == [], "run `make levels`"
+
+
+def test_a_tuple_of_unlike_items_is_told_item_by_item():
+    from scripts.reference_docs import format_tables
+
+    tables = format_tables()
+    assert "| list of [whole 1 … 100000, [6 × whole 0 … 2]] |" in tables
+    assert "| `gravity` | [2 × real -100 … 100] |" in tables
+
+
+def test_the_page_on_accuracy_names_every_scene_that_is_not_good():
+    measured = ROOT / "bench" / "accuracy"
+    rows = {
+        physics: list(map(json.loads, (measured / f"{physics}.jsonl").read_text().splitlines()))
+        for physics in ("fast", "balanced", "accurate")
+    }
+    bad = {
+        (physics, row["scene"])
+        for physics, of in rows.items()
+        for row in of
+        if row["verdict"] in ("ok", "fail")
+    }
+    text = (ROOT / "docs/accuracy.md").read_text()
+    told = text.partition("What is not\ngood, and why:")[2].partition("<!-- results -->")[0]
+    named = set()
+    for who, which in re.findall(r"^\| ([^|]*) \| ([A-Z]\d[^|]*) \|", told, re.MULTILINE):
+        players = rows if who == "all three" else re.findall(r"`(\w+)`", who)
+        named |= {(physics, scene) for physics in players for scene in which.split(", ")}
+    assert named == bad
+
+
+def test_the_reference_has_the_public_names():
+    sections = dict(
+        re.findall(r"^## (.*?)$(.*?)(?=^## |\Z)", (ROOT / "docs/api.md").read_text(), re.M | re.S)
+    )
+    of_kinetix = ("Names", "Parameters", "Kinds of action and observation", "Errors")
+    listed = {
+        place for title in of_kinetix for place in re.findall(r"^::: (\S+)$", sections[title], re.M)
+    }
+    homes = {f"{home}.{name}": home for name, home in kinetix._HOME.items()}
+    homes.pop("kinetix.version.__version__")
+    assert sorted(place for place, home in homes.items() if not {place, home} & listed) == []
+    assert sorted(listed - set(homes) - set(homes.values())) == []
 
 
 def test_every_level_has_its_thumbnail():

@@ -63,11 +63,15 @@ def test_quick_commands_run_as_printed(line, tmp_path, monkeypatch, capsys):
     assert bool(made) == any(word.startswith("out/") for word in words)
 
 
-@pytest.mark.parametrize(("physics", "part"), [("balanced", "results"), ("jax2d", "peers")])
+@pytest.mark.parametrize(
+    ("physics", "part"), [("balanced", "results"), ("jax2d (package)", "peers")]
+)
 def test_the_comparison_says_what_was_measured(physics, part):
     accuracy = (ROOT / "docs" / "accuracy.md").read_text()
     table = accuracy.split(f"<!-- {part} -->")[1].split("<!--")[0]
-    row = re.search(rf"^\| `{physics}` \| (\d+) \| (\d+) \| (\d+) \| (\d+) ", table, re.MULTILINE)
+    row = re.search(
+        rf"^\| `{re.escape(physics)}` \| (\d+) \| (\d+) \| (\d+) \| (\d+) ", table, re.MULTILINE
+    )
     count, good, passable, failed = row.groups()
     said = rf"{count}[^|:]*: {good} good, {passable} passable, {failed} failed"
     assert re.search(said, README), f"docs/accuracy.md has {row.group()}"

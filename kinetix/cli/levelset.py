@@ -55,7 +55,8 @@ class Build(OneCore):
     seed: int = 0
     """Seed of the split."""
     inline: bool = False
-    """Put the levels themselves into the file; those outside its folder are put there anyway."""
+    """Put the levels themselves into the file. Otherwise it names those in its folder, or one
+    folder up, by their paths; levels farther away are put into it anyway."""
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)

@@ -408,15 +408,21 @@ _Channels = tuple[_Choice, _Choice, _Choice, _Choice, _Choice, _Choice]
 class Solution(Record, frozen=True, kw_only=True):
     """Recorded multi-discrete actions that win the level, run-length encoded."""
 
-    physics: Annotated[str, Meta(min_length=1, max_length=40)]
-    """Name of the physics preset."""
-    frame_skip: Annotated[int, Meta(ge=1, le=1000)]
-    """Engine steps per environment step."""
+    physics: Annotated[
+        str, Meta(min_length=1, max_length=40, description="Physics preset that it wins under")
+    ]
+    frame_skip: Annotated[
+        int, Meta(ge=1, le=1000, description="Physics steps per environment step")
+    ]
     actions: Annotated[
         tuple[tuple[Annotated[int, Meta(ge=1, le=MAX_STEPS)], _Channels], ...],
-        Meta(max_length=MAX_STEPS),
+        Meta(
+            max_length=MAX_STEPS,
+            description="Runs: how many environment steps, then what is driven: four motor "
+            "controls (0 off, 1 counter-clockwise, 2 clockwise) and two thrusters (0 off, 1 on)",
+        ),
     ]
-    """Runs of (repeat, [m0, m1, m2, m3, t0, t1]); at most `MAX_STEPS` steps in all."""
+    """At most `MAX_STEPS` steps in all."""
 
     def __post_init__(self) -> None:
         """Make nested sequences tuples."""
@@ -448,7 +454,7 @@ Entity = Body | Joint | Thruster
 
 
 class Level(Record, frozen=True, kw_only=True):
-    """A whole level. `next_id` left at 0 becomes one more than the largest id in use."""
+    """A whole level. In Python, `next_id` left at 0 becomes one more than the largest id in use."""
 
     name: Annotated[str, Meta(min_length=1, max_length=MAX_TITLE, description="Title for people")]
     description: Annotated[
@@ -467,7 +473,9 @@ class Level(Record, frozen=True, kw_only=True):
         InertiaModel, _note("How mass properties follow from shape and density")
     ] = "exact"
     arena: Arena = Arena()
-    next_id: Annotated[int, Meta(ge=1, le=2**53 + 1)] = 0
+    next_id: Annotated[
+        int, Meta(ge=1, le=2**53 + 1, description="Larger than every id that was ever in use")
+    ] = 0
     bodies: Annotated[tuple[Body, ...], Meta(max_length=MAX_ENTITIES)] = ()
     joints: Annotated[tuple[Joint, ...], Meta(max_length=MAX_ENTITIES)] = ()
     thrusters: Annotated[tuple[Thruster, ...], Meta(max_length=MAX_ENTITIES)] = ()

@@ -15,7 +15,7 @@ from kinetix.pytree import pytree, short_repr, static
 
 @pytree
 class UEDParams:
-    """Options of random levels.
+    """Options of random levels (UED: unsupervised environment design).
 
     Hashable and never traced (all structure, no leaves): another value, another compilation. The
     names, the misspelt one included, are kinetix-env's, so that configurations carry over. Lengths

@@ -134,8 +134,8 @@ class Layout:
                 Feature(
                     name=f"limit_{side}_from_reference",
                     unit="rad",
-                    meaning="limit − reference angle, kinetix-env's number; "
-                    "the limit counts from that angle already",
+                    meaning="limit minus reference angle. The limit is measured from the reference "
+                    "angle already, so this takes it off twice, as kinetix-env's observation does",
                 )
                 for side in ("min", "max")
             ),

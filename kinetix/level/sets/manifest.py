@@ -31,11 +31,18 @@ class SetEntry(Record, frozen=True, kw_only=True):
         str | None,
         Meta(description="Relative to the set's folder", extra={"optional": True}),
     ] = None
-    sha256: Annotated[str, Meta(min_length=64, max_length=64)]
-    """`level_hash` of the level."""
+    sha256: Annotated[
+        str,
+        Meta(
+            min_length=64,
+            max_length=64,
+            description="Hash of the level, whatever the form of its file",
+        ),
+    ]
     tags: tuple[Tag, ...] = ()
-    weight: Annotated[float, Meta(ge=1e-6, le=1e6)] = 1.0
-    """Relative probability in training."""
+    weight: Annotated[
+        float, Meta(ge=1e-6, le=1e6, description="Relative probability in training")
+    ] = 1.0
     split: Split = "train"
 
 
@@ -47,10 +54,10 @@ class LevelSet(Record, frozen=True, kw_only=True):
         SizeName | SizeHint | None,
         Meta(description="Common capacity; none: the largest of each", extra={"optional": True}),
     ] = None
-    seed: int = 0
-    """Seed of the split."""
-    engine_version: Annotated[str, Meta(max_length=120)] = ""
-    """The version that wrote the set."""
+    seed: Annotated[int, Meta(description="Seed of the split")] = 0
+    engine_version: Annotated[
+        str, Meta(max_length=120, description="Version of Kinetix that wrote the set")
+    ] = ""
     levels: Annotated[tuple[SetEntry, ...], Meta(max_length=MAX_LEVELS)] = ()
 
 
