@@ -10,6 +10,8 @@ ROOT = Path(__file__).resolve().parents[1]
 OUT = ROOT / "out"
 TOUR = ROOT / "editor" / "assets" / "tour.jsonl"
 EDITOR = [sys.executable, "-m", "editor"]
+WITHOUT_DISPLAY = {"--serve", "--offscreen", "--bench", "--help", "-h"}
+"""Options with which the editor needs none."""
 
 
 def film() -> int:
@@ -30,8 +32,8 @@ def film() -> int:
 
 
 def main() -> int:
-    """Open or serve what the command line names, or film the tour."""
-    if has_display() or "--serve" in sys.argv[1:]:
+    """Do what the command line says, or film the tour."""
+    if has_display() or WITHOUT_DISPLAY & {*sys.argv[1:]}:
         return subprocess.call([*EDITOR, *sys.argv[1:]], cwd=ROOT)
     return film()
 
