@@ -103,7 +103,7 @@ def _leaves_text(session: "Session", event: events.KeyEvent) -> bool:
 def _closes_overlay(session: "Session") -> bool:
     """Let Esc close the help, the keys' window or the preferences; whether one was open."""
     shown = session.view
-    if session.hands.capture is not None:
+    if session.hands.capture is not None or session.prompts:
         return False
     if not shown.covered:
         return False

@@ -164,7 +164,7 @@ def test_every_command_is_in_it(code):
 SENTENCES = (
     "Export 1 level as a set",
     "Export 3 levels as a set",
-    f"{Icons.warning}  Ctrl+S is taken: Save.",
+    f"{Icons.warning}  Ctrl+S is taken: Save. Give it to Open…?",
     f"{Icons.error}  Car: with an error or gone, no set takes it.",
     f"{Icons.error}  Car, Bus and 3 more: with an error or gone, no set takes it.",
     f"{Icons.close}  only one",
