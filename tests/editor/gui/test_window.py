@@ -632,3 +632,14 @@ def test_the_map_shows_what_lies_outside_of_the_arena_in_edit(make_gui):
         assert low[0] <= x <= low[0] + side and low[1] <= y <= low[1] + side
     gui.click_at(*camera.to_screen((-2.0, 6.5)))
     assert math.dist(gui.session.camera.centre, (-2.0, 6.5)) < 0.1
+
+
+def test_a_name_of_two_lines_is_shown_in_one(make_gui):
+    gui = make_gui(level=Level(name="a\nb"))
+    low, high = gui.probe("level.name").low, gui.probe("level.name").high
+    assert high[1] - low[1] <= 1.1 * imgui.get_frame_height()
+    gui.click("level.name")
+    gui.key("end")
+    gui.text("c")
+    gui.key("return")
+    assert gui.level.name == "a bc"
