@@ -121,34 +121,40 @@ class FileChoice:
             self.error = "A name needs more than blanks."
             return False, None
         path = self._typed()
-        as_folder = self.question.as_folder
         # Where a folder is saved its name means itself; with a slash, as in `sets/`, its inside.
-        if os.path.isdir(path) and (not as_folder or self.name.endswith(("/", os.sep))):
+        if os.path.isdir(path) and (
+            not self.question.as_folder or self.name.endswith(("/", os.sep))
+        ):
             self.go(path)
             self.name = ""
             return False, None
         if self.saving:
-            if path.name.lower() in self.question.suffixes:
-                self.error = f"A name belongs before {path.name}."
-                return False, None
-            if as_folder:
-                path = path.with_name(path.name.removesuffix(LEVEL))
-            elif path.suffix.lower() not in self.question.suffixes:
-                path = path.with_name(f"{path.name}{self.question.suffixes[0]}")
-            if len(os.fsencode(path.name)) > LONGEST_NAME:
-                self.error = f"{path.name[:20]}…: this name is too long for a file."
-                return False, None
-            if os.path.isfile(path) and as_folder:
-                self.error = f"{path.name} is a file: choose another name for the folder."
-                return False, None
-            if os.path.exists(path) and self.overwrite != path:
-                self.overwrite = path
-                return False, None
-            return self._has(path.parent), path
+            return self._accept_new(path)
         if not os.path.isfile(path):
             self.error = f"There is no file {path.name} here."
             return False, None
         return True, path
+
+    def _accept_new(self, path: Path) -> tuple[bool, Path | None]:
+        """Return whether the user is done with a path to save under, and the path with ending."""
+        as_folder = self.question.as_folder
+        if path.name.lower() in self.question.suffixes:
+            self.error = f"A name belongs before {path.name}."
+            return False, None
+        if as_folder:
+            path = path.with_name(path.name.removesuffix(LEVEL))
+        elif path.suffix.lower() not in self.question.suffixes:
+            path = path.with_name(f"{path.name}{self.question.suffixes[0]}")
+        if len(os.fsencode(path.name)) > LONGEST_NAME:
+            self.error = f"{path.name[:20]}…: this name is too long for a file."
+            return False, None
+        if os.path.isfile(path) and as_folder:
+            self.error = f"{path.name} is a file: choose another name for the folder."
+            return False, None
+        if os.path.exists(path) and self.overwrite != path:
+            self.overwrite = path
+            return False, None
+        return self._has(path.parent), path
 
     def _has(self, folder: Path) -> bool:
         """Return whether a folder is there to save in: it is made, after asking back once."""

@@ -125,7 +125,9 @@ class TrainingPanel(Panel):
         imgui.same_line(0, px(8))
         imgui.align_text_to_frame_padding()
         if training.words and not training.stopping:
-            widgets.raw(training.words, COLOURS.muted)
+            # Of an update it is numbers, else a stage.
+            show = widgets.raw if training.words[0].isdigit() else widgets.text
+            show(training.words, COLOURS.muted)
         else:
             widgets.muted("Ending …" if training.stopping else _STARTING)
         if run != session.viewer.run.path:

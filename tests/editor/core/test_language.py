@@ -190,6 +190,11 @@ SENTENCES = (
     "entity transformer, 2 layers of 128, actor 5 × 128, with memory",
     "sees symbolic flat, says multi discrete",
     "No folders and no .gif or .mp4 files here.",
+    "preparing the levels",
+    "compiling: start",
+    "compiling: update",
+    "evaluating 3/100 episodes",
+    "ppo on list levels of size s",
 )
 """Texts that are composed, with the signs before them."""
 
