@@ -11,6 +11,7 @@ from editor.actions import (
     context,
     gallery,
     leave,
+    many_files,
     outside,
     play,
     recording,
@@ -299,6 +300,8 @@ def advance(session: Session, seconds: float) -> None:
     if session.attended:
         audible = session.settings.sound
         session.sound.listen(session.playback, session.time, audible=audible)
+    with session.guard():
+        many_files.go_on(session)
     with session.guard():
         recording.follow(session)
         leave.update_leaving(session)

@@ -16,6 +16,7 @@ from editor.session import Session, Tab
 from kinetix.errors import CommandError, LevelError
 from kinetix.level.codec import level_hash, resolve_path
 from kinetix.level.model import Level
+from kinetix.paths import user_levels_dir
 
 NEW_LEVEL: Final = Level(name=UNTITLED)
 MESSAGE_LENGTH: Final = 600
@@ -197,7 +198,10 @@ def _no_moment(session: Session) -> None:
 
 
 def save_as(
-    session: Session, then: Callable[[], None] | None = None, wish: Path | None = None
+    session: Session,
+    then: Callable[[], None] | None = None,
+    wish: Path | None = None,
+    error: str = "",
 ) -> None:
     """Save under a name that the user chooses.
 
@@ -205,6 +209,7 @@ def save_as(
         session: The app.
         then: What comes after it is saved.
         wish: The file to propose: one that could not be written.
+        error: Why not.
     """
     _no_moment(session)
     document = session.document
@@ -215,7 +220,10 @@ def save_as(
         name = filing.free_path(folder / name).name
     if wish is not None and os.path.isdir(wish.parent):
         folder, name = wish.parent, wish.name
-        if os.path.isfile(wish) and not os.access(wish, os.W_OK):
+        if not os.access(folder, os.W_OK):
+            folder = user_levels_dir()
+            name = filing.free_path(folder / name).name
+        elif os.path.isfile(wish) and not os.access(wish, os.W_OK):
             name = filing.free_path(wish).name
 
     def answer(path: Path | None) -> None:
@@ -232,6 +240,7 @@ def save_as(
             name=name,
             suffixes=files.LEVEL_SUFFIXES,
             answer=answer,
+            error=error.replace(str(wish), wish.name, 1) if wish is not None else "",
         )
     )
 
@@ -248,9 +257,18 @@ def save_with_care(
     format: Format,
     then: Callable[[], None] | None = None,
     *,
-    failed: Callable[[], None] = lambda: None,
+    failed: Callable[[str], None],
 ) -> None:
-    """Save, after asking when that would lose another program's change or what the format lacks."""
+    """Save, after asking when that would lose another program's change or what the format lacks.
+
+    Args:
+        session: The app.
+        document: What to save.
+        path: The file.
+        format: The format to write.
+        then: What comes after it is saved.
+        failed: Takes the reason where it could not be.
+    """
 
     def save_to(target: Path) -> None:
         _save_in_format(session, document, target, format, then, failed)
@@ -267,13 +285,15 @@ def _save_in_format(
     path: Path,
     format: Format,
     then: Callable[[], None] | None,
-    failed: Callable[[], None],
+    failed: Callable[[str], None],
 ) -> None:
     """Save, after asking when the format cannot say everything (IO10)."""
 
     def save_as_format(chosen: Format) -> None:
-        if not save_now(session, document, path, chosen):
-            failed()
+        reason = save_now(session, document, path, chosen)
+        if reason:
+            session.log.add(reason)
+            failed(reason)
         elif then is not None:
             then()
 
@@ -302,14 +322,13 @@ def _save_in_format(
     )
 
 
-def save_now(session: Session, document: Document, path: Path, format: Format) -> bool:
-    """Save without asking; a failure becomes a toast."""
+def save_now(session: Session, document: Document, path: Path, format: Format) -> str:
+    """Save without asking; returns why it could not be saved, empty where it was."""
     named = document.level.size
     try:
         files.save_document(document, path, format)
     except LevelError as error:
-        session.toast(str(error), "error")
-        return False
+        return str(error)
     if document.level.size != named:
         session.toast(f"The level does not fit size {named}: its size is automatic now.", "warning")
     session.settings.remember(path)
@@ -319,7 +338,7 @@ def save_now(session: Session, document: Document, path: Path, format: Format) -
         with session.guard():
             session.old_names.drop(path)
     session.toast(f"Saved {path.name}", "success")
-    return True
+    return ""
 
 
 def if_settled(session: Session, tab: Tab, then: Callable[[], None]) -> None:

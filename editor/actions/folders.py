@@ -17,9 +17,9 @@ def to_open(session: Session) -> Path:
 
 
 def to_save(session: Session) -> Path:
-    """Return the proposed folder for a level: one of the user's own, never one of the app's."""
+    """Return the proposed folder for a level: one of the user's own that is there."""
     path = session.document.path
-    if path is not None and not filing.bundled(path):
+    if path is not None and not filing.bundled(path) and os.path.isdir(path.parent):
         return path.parent
     last = Path(session.settings.save_folder)
     own = last.is_absolute() and os.path.isdir(last) and not filing.bundled(last)
@@ -29,10 +29,12 @@ def to_save(session: Session) -> Path:
 def to_export(session: Session) -> Path:
     """Return the proposed folder for what is made of a level: the level's, else the last one used.
 
+    One that is gone, with a disk that was pulled out, is not made anew.
+
     A script's is the one that it was started from.
     """
     path = session.document.path
-    if path is not None and not filing.bundled(path):
+    if path is not None and not filing.bundled(path) and os.path.isdir(path.parent):
         return path.parent.absolute()
     if not session.attended:
         return working_dir()

@@ -1,15 +1,16 @@
 """Actions of the gallery: open it, open, rename, duplicate and delete levels."""
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Generator
 from pathlib import Path
 from typing import Final
 
-from editor.actions import agents, file, measure, outside, unsaved
+from editor.actions import agents, file, many_files, measure, outside, unsaved
 from editor.actions.evaluating import if_free
 from editor.base.prompts import FileQuestion, TextQuestion
 from editor.gallery import filing
 from editor.gallery.card import Card
+from editor.gallery.filing import Trashed
 from editor.gallery.named_levels import set_name, sets_naming
 from editor.play.mode import Mode
 from editor.session import Session
@@ -61,8 +62,10 @@ def is_open(session: Session) -> bool:
 
 
 def close(session: Session) -> None:
-    """Back to the level; first the export's questions go."""
-    if session.gallery.plan is not None:
+    """Back to the level; first the export's questions go, and work on files ends."""
+    if session.gallery.work is not None:
+        many_files.stop(session)
+    elif session.gallery.plan is not None:
         session.gallery.plan = None
     else:
         session.gallery.open = False
@@ -198,19 +201,27 @@ def duplicate(session: Session) -> None:
     Raises:
         LevelError: Some cannot be copied; the others are.
     """
+    cards = chosen_cards(session)
+    many_files.begin(session, "Copying levels", len(cards), _duplicated(session, cards))
+
+
+def _duplicated(session: Session, cards: list[Card]) -> Generator[None]:
     made, failed, reason = [], 0, None
-    for card in chosen_cards(session):
-        try:
-            made.append(filing.duplicate(card.file))
-        except LevelError as error:
-            failed += 1
-            reason = reason or error
-    if made:
-        session.gallery.selection = tuple(map(str, made))
-        session.gallery.focus, session.gallery.scroll = str(made[0]), True
-        told = f"Made {made[0]}" if len(made) == 1 else f"Made {len(made)} copies"
-        session.toast(told, "success")
-        look(session)
+    try:
+        for card in cards:
+            try:
+                made.append(filing.duplicate(card.file))
+            except LevelError as error:
+                failed += 1
+                reason = reason or error
+            yield
+    finally:
+        if made:
+            session.gallery.selection = tuple(map(str, made))
+            session.gallery.focus, session.gallery.scroll = str(made[0]), True
+            told = f"Made {made[0]}" if len(made) == 1 else f"Made {len(made)} copies"
+            session.toast(told, "success")
+            look(session)
     if reason is not None:
         raise LevelError(f"{reason}{_and_more(failed)}")
 
@@ -220,22 +231,27 @@ def delete(session: Session) -> None:
     chosen = chosen_cards(session)
     for card in chosen:
         _guard_file(session, card.file)
+    many_files.begin(session, "Deleting levels", len(chosen), _deleted(session, chosen))
+
+
+def _deleted(session: Session, cards: list[Card]) -> Generator[None]:
     thrown = []
     try:
-        for card in chosen:
+        for card in cards:
             thrown.append(filing.throw_away(card.file))
+            yield
     finally:
         if thrown:
             session.gallery.thrown.append(tuple(thrown))
+            name = cards[0].name if len(thrown) == 1 else f"{len(thrown)} levels"
+            session.toast(f"Moved {name} to the trash", action="gallery.restore")
         session.gallery.selection = ()
         for one in thrown:
             weight = session.gallery.tray.pop(str(one.origin), None)
             if weight is not None:
                 session.gallery.thrown_weights[one.origin] = weight
         look(session)
-    name = chosen[0].name if len(chosen) == 1 else f"{len(chosen)} levels"
-    session.toast(f"Moved {name} to the trash", action="gallery.restore")
-    _tell_sets(session, [one.origin for one in thrown])
+        _tell_sets(session, [one.origin for one in thrown])
 
 
 def can_restore(session: Session) -> bool:
@@ -249,23 +265,33 @@ def restore(session: Session) -> None:
     Raises:
         LevelError: Something cannot.
     """
-    deletions = session.gallery.thrown
-    back, waiting, reason = [], [], None
-    for one in deletions.pop():
-        try:
-            filing.bring_back(one)
-            back.append(one)
-        except LevelError as error:
-            waiting.append(one)
-            reason = reason or error
-    for one in back:
-        weight = session.gallery.thrown_weights.pop(one.origin, None)
-        if weight is not None:
-            session.gallery.tray[str(one.origin)] = weight
-    if waiting:
-        deletions.insert(0, tuple(waiting))
-    session.gallery.selection = tuple(str(one.origin) for one in back)
-    look(session)
+    if session.gallery.work is not None:  # Before what it takes is gone from the list.
+        raise CommandError(many_files.BUSY)
+    thrown = session.gallery.thrown.pop()
+    many_files.begin(session, "Bringing levels back", len(thrown), _restored(session, thrown))
+
+
+def _restored(session: Session, thrown: tuple[Trashed, ...]) -> Generator[None]:
+    back, reason = [], None
+    waiting = dict.fromkeys(thrown)
+    try:
+        for one in thrown:
+            try:
+                filing.bring_back(one)
+                back.append(one)
+                del waiting[one]
+            except LevelError as error:
+                reason = reason or error
+            yield
+    finally:
+        for one in back:
+            weight = session.gallery.thrown_weights.pop(one.origin, None)
+            if weight is not None:
+                session.gallery.tray[str(one.origin)] = weight
+        if waiting:
+            session.gallery.thrown.insert(0, tuple(waiting))
+        session.gallery.selection = tuple(str(one.origin) for one in back)
+        look(session)
     if reason is not None:
         raise LevelError(f"{reason}{_and_more(len(waiting))}")
 

@@ -4,7 +4,7 @@ import contextlib
 from collections.abc import Iterator
 from typing import Final
 
-from editor.actions import export, outside, recording
+from editor.actions import export, many_files, outside, recording
 from editor.actions.file import ask_moment, if_settled, save
 from editor.actions.measure import keep_results
 from editor.base.prompts import Choice, Question
@@ -160,6 +160,7 @@ def _going_on(session: Session) -> list[str]:
     names = ["the evaluation"] if evaluation.running else []
     exporting = session.gallery.exporting
     names += [] if exporting is None else [exporting.name]
+    names += [] if session.gallery.work is None else [session.gallery.work.title]
     names += [film.path.name for film in session.films.unwritten]
     for job in session.worker.jobs:
         path = export.file_of(job)
@@ -180,6 +181,8 @@ def _leave(session: Session) -> None:
             session.autosaves.forget(document)
     with session.guard():
         session.keeper.save(again=True)
+    with session.guard():
+        many_files.stop(session)
     session.viewer.evaluation.cancel()
     with session.guard():
         keep_results(session)

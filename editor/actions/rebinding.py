@@ -1,5 +1,6 @@
 """Other keys for actions and for driving, without two meanings for one key."""
 
+from collections.abc import Mapping
 from typing import Final
 
 from editor.actions.base import Action, Context
@@ -84,6 +85,22 @@ def bind_drive(session: Session, drive: Drive, key: str) -> None:
     rest = {k: d for k, d in session.control_keys.items() if d != drive and k != key}
     _store(session, rest | {key: drive})
     _forget_defaults(session)
+
+
+def unbind_drive(session: Session, drive: Drive) -> None:
+    """Take every key from what it drives."""
+    _store(session, {k: d for k, d in session.control_keys.items() if d != drive})
+    _forget_defaults(session)
+
+
+def drive_changed(session: Session, drive: Drive) -> bool:
+    """Return whether other keys drive a channel than at first."""
+    return driving_keys(session.control_keys, drive) != driving_keys(DEFAULT_KEYS, drive)
+
+
+def driving_keys(keys: Mapping[str, Drive], drive: Drive) -> list[str]:
+    """Return which of some keys drive a channel."""
+    return [key for key, does in keys.items() if does == drive]
 
 
 def reset_all(session: Session) -> None:

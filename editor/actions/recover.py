@@ -28,7 +28,7 @@ def offer(session: Session) -> None:
 
     def answer(choice: str) -> None:
         if choice == "restore":
-            for each in reversed(found.recoveries):
+            for each in _as_tabs(found.recoveries):
                 with session.guard():
                     restore(session, each)
         elif choice == "discard":
@@ -51,6 +51,17 @@ def offer(session: Session) -> None:
             cancel="later",
             answer=answer,
         )
+    )
+
+
+def _as_tabs(recoveries: Sequence[Recovery]) -> list[Recovery]:
+    """Return copies as their tabs stood: of each run by their numbers, the newest run last."""
+    runs = {each.file.parent: each.time for each in reversed(recoveries)}
+    # A longer number is a greater one.
+    names = {each.file: each.file.stem for each in recoveries}
+    return sorted(
+        recoveries,
+        key=lambda each: (runs[each.file.parent], len(names[each.file]), names[each.file]),
     )
 
 

@@ -73,6 +73,8 @@ class FileQuestion:
     """True if a folder that is not there yet may be named."""
     as_folder: bool = False
     """True if what is saved under the name is a folder."""
+    error: str = ""
+    """Why what was answered before could not be done."""
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)

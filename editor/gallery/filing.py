@@ -38,7 +38,7 @@ def stem_of(name: str) -> str:
     return "_".join(kept.lower().split())[:80] or "level"
 
 
-_LONGEST_NAME: Final = 255
+LONGEST_NAME: Final = 255
 """Bytes of a file's name on the usual file systems."""
 
 
@@ -58,7 +58,7 @@ def free_path(path: Path, *, room: int = 0) -> Path:
 
 def _named(path: Path, ending: str, room: int) -> Path:
     stem = path.stem
-    while len(os.fsencode(f"{stem}{ending}{path.suffix}")) + room > _LONGEST_NAME and stem:
+    while len(os.fsencode(f"{stem}{ending}{path.suffix}")) + room > LONGEST_NAME and stem:
         stem = stem[:-1]
     return path.with_name(f"{stem}{ending}{path.suffix}")
 

@@ -1,7 +1,7 @@
 """State of the gallery: search, folder, selection, the set being assembled."""
 
 import dataclasses
-from collections.abc import Sequence
+from collections.abc import Generator, Sequence
 from pathlib import Path
 
 from editor.gallery.card import Card
@@ -10,6 +10,19 @@ from editor.gallery.filing import Trashed
 from editor.gallery.library import Library
 from editor.gallery.results import Results
 from editor.gallery.search import Wish, wanted
+
+
+@dataclasses.dataclass(kw_only=True)
+class FileWork:
+    """Something that is done to many files, a part in every frame."""
+
+    title: str
+    total: int
+    """How many files there are."""
+    steps: Generator[None]
+    """Does one file a step."""
+    done: int = 0
+    """How many of them are done with."""
 
 
 @dataclasses.dataclass(kw_only=True)
@@ -42,6 +55,8 @@ class GalleryView:
     """Form of the export, while that is being asked."""
     exporting: Path | None = None
     """The set that is being written in the background."""
+    work: FileWork | None = None
+    """The copying or deleting that is under way, while it takes more than a frame."""
     thrown: list[tuple[Trashed, ...]] = dataclasses.field(default_factory=list)
     """Deleted files, the last deletion at the end, to bring them back."""
     thrown_weights: dict[Path, float] = dataclasses.field(default_factory=dict)

@@ -27,7 +27,10 @@ CONDITIONS: Final[dict[str, Callable[[Session], bool]]] = {
     "compiled": _compiled,
     "ended": lambda session: session.mode is Mode.ENDED,
     "idle": lambda session: (
-        session.worker.idle and session.evaluator.idle and not session.library.busy
+        session.worker.idle
+        and session.evaluator.idle
+        and not session.library.busy
+        and session.gallery.work is None
     ),
 }
 """What can be waited for, and whether it is so."""

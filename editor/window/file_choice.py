@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Final
 
 from editor.base.prompts import FileQuestion
+from editor.gallery.filing import LONGEST_NAME
 from kinetix.files.names import is_text
 from kinetix.paths import user_levels_dir
 
@@ -19,7 +20,7 @@ class FileChoice:
         self.question = question
         self.folder = question.folder if self._can_show(question.folder) else Path.home()
         self.name = question.name
-        self.error = ""
+        self.error = question.error
         """Sentence about what is wrong; empty: nothing is."""
         self.hidden = ""
         """A line about the files that are not listed because their names are not text; or empty."""
@@ -98,10 +99,12 @@ class FileChoice:
 
     def _typed(self) -> Path:
         """Return the path that the name means, from the folder on show on."""
+        name = self.name.strip() if self.saving else self.name
         try:
-            return self.folder / Path(self.name).expanduser()
+            path = self.folder / Path(name).expanduser()
         except RuntimeError:  # ~ of a user that does not exist
-            return self.folder / self.name
+            path = self.folder / name
+        return path.resolve() if ".." in path.parts else path
 
     def type_folder(self) -> None:
         """Go to the folder whose name was typed."""
@@ -114,32 +117,44 @@ class FileChoice:
 
     def accept(self) -> tuple[bool, Path | None]:
         """Return whether the user is done, and the path."""
+        if self.saving and not self.name.strip():
+            self.error = "A name needs more than blanks."
+            return False, None
         path = self._typed()
-        as_folder = self.question.as_folder
         # Where a folder is saved its name means itself; with a slash, as in `sets/`, its inside.
-        if os.path.isdir(path) and (not as_folder or self.name.endswith(("/", os.sep))):
+        if os.path.isdir(path) and (
+            not self.question.as_folder or self.name.endswith(("/", os.sep))
+        ):
             self.go(path)
             self.name = ""
             return False, None
         if self.saving:
-            if path.name.lower() in self.question.suffixes:
-                self.error = f"A name belongs before {path.name}."
-                return False, None
-            if as_folder:
-                path = path.with_name(path.name.removesuffix(LEVEL))
-            elif path.suffix.lower() not in self.question.suffixes:
-                path = path.with_name(f"{path.name}{self.question.suffixes[0]}")
-            if os.path.isfile(path) and as_folder:
-                self.error = f"{path.name} is a file: choose another name for the folder."
-                return False, None
-            if os.path.exists(path) and self.overwrite != path:
-                self.overwrite = path
-                return False, None
-            return self._has(path.parent), path
+            return self._accept_new(path)
         if not os.path.isfile(path):
             self.error = f"There is no file {path.name} here."
             return False, None
         return True, path
+
+    def _accept_new(self, path: Path) -> tuple[bool, Path | None]:
+        """Return whether the user is done with a path to save under, and the path with ending."""
+        as_folder = self.question.as_folder
+        if path.name.lower() in self.question.suffixes:
+            self.error = f"A name belongs before {path.name}."
+            return False, None
+        if as_folder:
+            path = path.with_name(path.name.removesuffix(LEVEL))
+        elif path.suffix.lower() not in self.question.suffixes:
+            path = path.with_name(f"{path.name}{self.question.suffixes[0]}")
+        if len(os.fsencode(path.name)) > LONGEST_NAME:
+            self.error = f"{path.name[:20]}…: this name is too long for a file."
+            return False, None
+        if os.path.isfile(path) and as_folder:
+            self.error = f"{path.name} is a file: choose another name for the folder."
+            return False, None
+        if os.path.exists(path) and self.overwrite != path:
+            self.overwrite = path
+            return False, None
+        return self._has(path.parent), path
 
     def _has(self, folder: Path) -> bool:
         """Return whether a folder is there to save in: it is made, after asking back once."""

@@ -34,6 +34,8 @@ class Keyboard:
         """Events to handle once the panel has taken the text that was being typed."""
         self._popup = False
         """True if a pop-up was open in the last frame."""
+        self._dragging = False
+        """True if something was dragged from one panel to another in the last frame."""
 
     def take(self, session: "Session", *, submenu: bool, in_panel: bool) -> None:
         """Hand keys and text on unless a text field or a pop-up owns them.
@@ -48,6 +50,9 @@ class Keyboard:
         popup = bool(session.prompts) or imgui.is_popup_open("", imgui.PopupFlags_.any_popup.value)
         # By now Esc has closed the pop-up that was open; the key was that pop-up's all the same.
         closed, self._popup = self._popup and not popup, popup
+        # Likewise it has broken off what was dragged from one panel to another.
+        dragging = imgui.get_drag_drop_payload_py_id() is not None
+        dragged, self._dragging = self._dragging, dragging
         # The palette has the keyboard from the key on that opens it, its field two frames later.
         typing = io.want_text_input or session.view.palette
         taken = (typing or popup) and session.hands.capture is None
@@ -64,7 +69,7 @@ class Keyboard:
             elif imgui.is_key_pressed(key, True):
                 repeat = not imgui.is_key_pressed(key, False)
                 event = events.KeyEvent(key=name, pressed=True, modifiers=modifiers, repeat=repeat)
-                if name == "escape" and (closed or _closes_overlay(session)):
+                if name == "escape" and (closed or dragged or _closes_overlay(session)):
                     continue
                 moves = name in navigating and not modifiers.ctrl and session.hands.capture is None
                 if not taken and not moves:
@@ -103,7 +108,7 @@ def _leaves_text(session: "Session", event: events.KeyEvent) -> bool:
 def _closes_overlay(session: "Session") -> bool:
     """Let Esc close the help, the keys' window or the preferences; whether one was open."""
     shown = session.view
-    if session.hands.capture is not None:
+    if session.hands.capture is not None or session.prompts:
         return False
     if not shown.covered:
         return False

@@ -104,6 +104,7 @@ class Ui:
         return (
             session.playback.active
             or bool(session.toasts)
+            or session.gallery.work is not None
             or (session.gallery.open and self._gallery.animating(session))
             or not session.worker.idle
             or not session.evaluator.idle

@@ -2,7 +2,7 @@
 
 from typing import Final
 
-from editor.actions import gallery, level_sets
+from editor.actions import gallery, level_sets, many_files
 from editor.actions.base import Action, Context
 
 GALLERY: Final = (
@@ -78,6 +78,16 @@ GALLERY: Final = (
         enabled=gallery.can_restore,
         refusal="Nothing was moved to the trash.",
         run=gallery.restore,
+    ),
+    Action(
+        id="gallery.stop",
+        label="Stop Copying and Deleting",
+        menu="Gallery",
+        tooltip="What is done already stays.",
+        enabled=many_files.working,
+        passing=True,
+        refusal="No files are being copied or deleted.",
+        run=many_files.stop,
     ),
     Action(
         id="gallery.search",

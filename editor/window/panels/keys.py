@@ -9,8 +9,9 @@ from imgui_bundle import imgui
 from editor import actions
 from editor.actions import rebinding
 from editor.actions.base import Action
-from editor.base.controls import CHANNELS, Drive
+from editor.base.controls import CHANNELS, DEFAULT_KEYS, Drive
 from editor.base.language import tr
+from editor.base.prompts import Choice, Question
 from editor.toolkit import widgets
 from editor.toolkit.appearance import COLOURS, FONTS, SMALL, Icons
 from editor.toolkit.keys import label as chord_label
@@ -21,6 +22,10 @@ if TYPE_CHECKING:
     from editor.session import Session
 
 _DRIVING: Final = "Driving in Play"
+_KEYS: Final = 230.0
+"""Width of the keys' column, at most half of what there is [px at 100 %]."""
+_BUTTONS: Final = 64.0
+"""Width of the buttons' column [px at 100 %]."""
 _DRIVES: Final = tuple(
     Drive(channel=channel, value=value)
     for channel in range(CHANNELS)
@@ -71,36 +76,43 @@ class KeysWindow:
         hint = f"{Icons.search}  Command or key"
         _, self._typed = widgets.input_line("keys.search", hint, self._typed)
         widgets.probe(session, "keys.search")
+        if imgui.is_item_active() or (self._target is not None and imgui.is_mouse_clicked(0)):
+            self._stop(session)
+        if self._typed and widgets.clear_button(session, "keys.search"):
+            self._typed = ""
         imgui.same_line(0, px(10))
         with widgets.disabled(not rebinding.any_changed(session)):
             if widgets.button(session, "keys.reset_all", "All as at first"):
-                session.queue(lambda: rebinding.reset_all(session))
+                self._stop(session)
+                session.queue(lambda: _ask_reset(session))
         self._message(session)
         imgui.dummy((0, px(4)))
 
     def _message(self, session: "Session") -> None:
         """Draw the instruction, or the question about a key that is taken."""
+        imgui.align_text_to_frame_padding()
         if self._clash is not None:
             clash = self._clash
-            imgui.align_text_to_frame_padding()
-            widgets.text(
-                f"{Icons.warning}  {chord_label(clash.chord)} is taken: {clash.other}.",
+            label = _label(clash.target)
+            widgets.wrapped(
+                f"{Icons.warning}  {chord_label(clash.chord)} is taken: {clash.other}. "
+                f"Give it to {label}?",
                 COLOURS.warn,
             )
-            imgui.same_line(0, px(10))
+            widgets.beside_words("Use it here", gap=10)
             if widgets.button(session, "keys.take", "Use it here"):
                 self._give(session, clash.target, clash.chord)
-            imgui.same_line()
+            widgets.beside_words("Keep it there")
             if widgets.button(session, "keys.leave", "Keep it there"):
                 self._clash = None
         elif self._target is not None:
-            imgui.align_text_to_frame_padding()
-            widgets.text("Press the new key. Esc keeps the old one.", COLOURS.accent)
+            label = _label(self._target)
+            widgets.wrapped(f"{label}: press the new key. Esc keeps the old one.", COLOURS.accent)
         else:
-            imgui.align_text_to_frame_padding()
-            widgets.muted("Click a key, then press another one.")
+            widgets.wrapped("Click a key, then press another one.", COLOURS.muted)
 
     def _rows(self, session: "Session") -> None:
+        found = False
         for menu in MENUS:
             rows = [
                 action
@@ -108,10 +120,13 @@ class KeysWindow:
                 if action.menu == menu and self._fits(session, action)
             ]
             if rows:
+                found = True
                 self._group(session, menu, rows)
         drives = [drive for drive in _DRIVES if self._drive_fits(session, drive)]
         if drives:
             self._group(session, _DRIVING, drives)
+        elif not found:
+            widgets.wrapped(f"Nothing here is called {self._typed}.", COLOURS.muted)
 
     def _group(self, session: "Session", title: str, rows: list[Action] | list[Drive]) -> None:
         with widgets.font(FONTS.bold, SMALL):
@@ -119,8 +134,9 @@ class KeysWindow:
         if imgui.begin_table(f"keys-{title}", 3, imgui.TableFlags_.sizing_stretch_prop.value):
             imgui.table_setup_column("what", imgui.TableColumnFlags_.width_stretch.value)
             fixed = imgui.TableColumnFlags_.width_fixed.value
-            imgui.table_setup_column("keys", fixed, px(230))
-            imgui.table_setup_column("reset", fixed, px(64))
+            room = imgui.get_content_region_avail().x - px(_BUTTONS)
+            imgui.table_setup_column("keys", fixed, min(px(_KEYS), room / 2))
+            imgui.table_setup_column("reset", fixed, px(_BUTTONS))
             for row in rows:
                 imgui.table_next_row()
                 if isinstance(row, Drive):
@@ -139,44 +155,42 @@ class KeysWindow:
         imgui.table_next_column()
         words = "   ".join(map(chord_label, actions.chords(session, action)))
         self._field(session, action, action.id, words)
-        imgui.table_next_column()
-        if actions.chords(session, action):
-            if widgets.icon_button(session, f"keys.clear.{action.id}", Icons.close):
-                session.queue(lambda: rebinding.unbind(session, action))
-            widgets.tooltip("No key")
-            imgui.same_line(0, px(2))
-        if rebinding.changed(session, action):
-            if widgets.icon_button(session, f"keys.reset.{action.id}", Icons.reset):
-                session.queue(lambda: self._reset(session, action))
-            widgets.tooltip("As at first")
+        self._buttons(session, action, action.id, has_key=bool(actions.chords(session, action)))
 
     def _drive(self, session: "Session", drive: Drive) -> None:
         imgui.table_next_column()
         imgui.align_text_to_frame_padding()
         widgets.text(rebinding.drive_label(drive))
         imgui.table_next_column()
-        words = "   ".join(map(chord_label, _driving(session, drive)))
-        self._field(session, drive, f"drive.{drive.channel}.{drive.value}", words)
+        keys = rebinding.driving_keys(session.control_keys, drive)
+        name = f"drive.{drive.channel}.{drive.value}"
+        self._field(session, drive, name, "   ".join(map(chord_label, keys)))
+        self._buttons(session, drive, name, has_key=bool(keys))
+
+    def _buttons(
+        self, session: "Session", target: Action | Drive, name: str, *, has_key: bool
+    ) -> None:
+        """No key, and as at first, where that would change something."""
         imgui.table_next_column()
+        if has_key:
+            if widgets.icon_button(session, f"keys.clear.{name}", Icons.close):
+                session.queue(lambda: _unbind(session, target))
+            widgets.tooltip("No key")
+            imgui.same_line(0, px(2))
+        if _changed(session, target):
+            if widgets.icon_button(session, f"keys.reset.{name}", Icons.reset):
+                session.queue(lambda: _reset(session, target))
+            widgets.tooltip("As at first")
 
     def _field(self, session: "Session", target: Action | Drive, name: str, words: str) -> None:
         waiting = self._target == target
         shown = "…" if waiting else words or "none"
         colour = COLOURS.accent if waiting else (COLOURS.text if words else COLOURS.faint)
         with widgets.coloured(text=colour):
-            pressed = widgets.button(session, f"keys.{name}", shown, width=px(220))
+            pressed = widgets.button(session, f"keys.{name}", shown, width=-1.0)
         if pressed:
             self._target, self._clash = target, None
             session.hands.capture = lambda chord: self._pressed(session, chord)
-
-    def _reset(self, session: "Session", action: Action) -> None:
-        """The keys of an action as at first, unless something else has them now."""
-        for chord in action.keys:
-            other = rebinding.conflict(session, action, chord)
-            if other:
-                session.complain(f"{chord_label(chord)} is {other} now.")
-                return
-        session.settings.keys.pop(action.id, None)
 
     def _pressed(self, session: "Session", chord: str) -> None:
         """Take the key that was pressed; it means nothing else this time."""
@@ -184,11 +198,10 @@ class KeysWindow:
         session.hands.capture = None
         if target is None or chord == "escape":
             return
-        if isinstance(target, Drive):
-            chord = chord.rpartition("+")[2] or chord
-            other = rebinding.drive_conflict(session, target, chord)
-        else:
-            other = rebinding.conflict(session, target, chord)
+        if isinstance(target, Drive) and "+" in chord[:-1]:
+            session.complain(f"{chord_label(chord)} cannot drive: only a key by itself can.")
+            return
+        other = _conflict(session, target, chord)
         if other:
             self._clash = _Clash(target=target, chord=chord, other=other)
         else:
@@ -196,16 +209,14 @@ class KeysWindow:
 
     def _give(self, session: "Session", target: Action | Drive, chord: str) -> None:
         self._clash = None
-        if isinstance(target, Drive):
-            rebinding.bind_drive(session, target, chord)
-        else:
-            rebinding.bind(session, target, chord)
+        _bind(session, target, chord)
 
     def _fits(self, session: "Session", action: Action) -> bool:
         return self._finds((action.label,), actions.chords(session, action))
 
     def _drive_fits(self, session: "Session", drive: Drive) -> bool:
-        return self._finds((rebinding.drive_label(drive), _DRIVING), _driving(session, drive))
+        keys = rebinding.driving_keys(session.control_keys, drive)
+        return self._finds((rebinding.drive_label(drive), _DRIVING), keys)
 
     def _finds(self, names: Iterable[str], chords: Iterable[str]) -> bool:
         """Return whether all that is typed is in the keys, or in the English or shown names."""
@@ -214,5 +225,68 @@ class KeysWindow:
         return all(word in words for word in self._typed.lower().split())
 
 
-def _driving(session: "Session", drive: Drive) -> list[str]:
-    return [key for key, does in session.control_keys.items() if does == drive]
+def _label(target: Action | Drive) -> str:
+    return rebinding.drive_label(target) if isinstance(target, Drive) else target.label
+
+
+def _conflict(session: "Session", target: Action | Drive, chord: str) -> str:
+    if isinstance(target, Drive):
+        return rebinding.drive_conflict(session, target, chord)
+    return rebinding.conflict(session, target, chord)
+
+
+def _changed(session: "Session", target: Action | Drive) -> bool:
+    if isinstance(target, Drive):
+        return rebinding.drive_changed(session, target)
+    return rebinding.changed(session, target)
+
+
+def _bind(session: "Session", target: Action | Drive, chord: str) -> None:
+    if isinstance(target, Drive):
+        rebinding.bind_drive(session, target, chord)
+    else:
+        rebinding.bind(session, target, chord)
+
+
+def _unbind(session: "Session", target: Action | Drive) -> None:
+    if isinstance(target, Drive):
+        rebinding.unbind_drive(session, target)
+    else:
+        rebinding.unbind(session, target)
+
+
+def _reset(session: "Session", target: Action | Drive) -> None:
+    """The keys as at first, unless something else has them now."""
+    drives = isinstance(target, Drive)
+    first = rebinding.driving_keys(DEFAULT_KEYS, target) if drives else target.keys
+    for chord in first:
+        other = _conflict(session, target, chord)
+        if other:
+            session.complain(f"{chord_label(chord)} is {other} now.")
+            return
+    if isinstance(target, Drive):
+        rebinding.bind_drive(session, target, *first)
+    else:
+        session.settings.keys.pop(target.id, None)
+
+
+def _ask_reset(session: "Session") -> None:
+    """Set all keys back, after asking: the changes are gone then."""
+
+    def answer(choice: str) -> None:
+        if choice == "reset":
+            rebinding.reset_all(session)
+
+    session.ask(
+        Question(
+            title="All keys as at first?",
+            message="Every key that you have changed is lost.",
+            choices=(
+                Choice(id="reset", label="All as at first"),
+                Choice(id="cancel", label="Cancel"),
+            ),
+            default="cancel",
+            cancel="cancel",
+            answer=answer,
+        )
+    )

@@ -125,7 +125,9 @@ class TrainingPanel(Panel):
         imgui.same_line(0, px(8))
         imgui.align_text_to_frame_padding()
         if training.words and not training.stopping:
-            widgets.raw(training.words, COLOURS.muted)
+            # Of an update it is numbers, else a stage.
+            show = widgets.raw if training.words[0].isdigit() else widgets.text
+            show(training.words, COLOURS.muted)
         else:
             widgets.muted("Ending …" if training.stopping else _STARTING)
         if run != session.viewer.run.path:
@@ -169,8 +171,13 @@ class TrainingPanel(Panel):
     def _choose(self, session: "Session") -> None:
         if widgets.button(session, "training.metrics", "Metrics…"):
             imgui.open_popup("metrics")
+        names = session.viewer.run.metrics.names
+        # Boxes break their words where they have no room, and a popup begins without any.
+        widest = max((imgui.calc_text_size(tr(name)).x for name in names), default=0.0)
+        room = (widest + imgui.get_frame_height() + px(60), imgui.FLT_MAX)
+        imgui.set_next_window_size_constraints((room[0], 0), room)
         if imgui.begin_popup("metrics"):
-            for name in session.viewer.run.metrics.names:
+            for name in names:
                 changed, on = widgets.checkbox(
                     session, f"training.metric.{name}", name, self._shows(name)
                 )
@@ -195,8 +202,9 @@ class TrainingPanel(Panel):
         width = (space.x - (columns - 1) * px(6)) / columns
         rows = -(-len(names) // columns)
         height = max(px(120), space.y / rows - px(6))
-        # Else a curve at its highest lies on the frame.
-        implot.push_style_var(implot.StyleVar_.fit_padding, imgui.ImVec2(0.0, 0.06))
+        # Else a curve at its highest lies on the frame; below zero a logarithmic axis has no end.
+        padding = imgui.ImVec2(0.0, 0.0 if self._log else 0.06)
+        implot.push_style_var(implot.StyleVar_.fit_padding, padding)
         for index, name in enumerate(names):
             if index % columns:
                 imgui.same_line(0, px(6))

@@ -36,6 +36,10 @@ def under_way(session: "Session") -> list[Part]:
         parts.append(Part(words, COLOURS.bad, "file.record", "Click to end the film."))
     for job in list(writing(session))[:1]:
         parts.append(Part(_told(job.title, job), COLOURS.accent, "file.stop_export", _STOPS))
+    files = session.gallery.work
+    if files is not None:
+        words = f"{Icons.gear} {tr(files.title)} {files.done / files.total:.0%}"
+        parts.append(Part(words, COLOURS.accent, "gallery.stop", _STOPS))
     evaluation, training = session.viewer.evaluation, session.training
     if evaluation.running:
         words = _told("Evaluating", evaluation.job)

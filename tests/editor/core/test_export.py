@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from editor import actions
-from editor.actions import export, recording
+from editor.actions import export, folders, recording
 from editor.documents import files
 from editor.documents.commands.group import Move, Remove
 from editor.play.mode import Mode
@@ -59,6 +59,14 @@ def test_where_exports_begin(session, tmp_path, monkeypatch):
     actions.run(session, "file.screenshot")
     assert session.screenshot == tmp_path / "Kinetix" / "Untitled-001.png"
     assert (tmp_path / "Kinetix").is_dir()
+
+
+def test_the_folder_of_a_level_that_is_gone_is_not_made_anew(session, tmp_path, monkeypatch):
+    monkeypatch.setattr("editor.actions.folders.user_levels_dir", lambda: tmp_path / "Kinetix")
+    session.attended = True
+    session.document.path = tmp_path / "stick" / "car.json"
+    session.settings.export_folder = session.settings.save_folder = ""
+    assert folders.to_export(session) == folders.to_save(session) == tmp_path / "Kinetix"
 
 
 def test_a_level_is_exported_for_kinetix_env_as_it_stands(session, tmp_path):

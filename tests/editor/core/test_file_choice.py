@@ -35,7 +35,13 @@ def test_what_is_there_in_one_folder_is_not_warned_of_in_another(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("name", "told"), [(".json", "A name belongs before"), ("no/car", "There is no folder no.")]
+    ("name", "told"),
+    [
+        (".json", "A name belongs before"),
+        ("no/car", "There is no folder no."),
+        ("   ", "A name needs more than blanks."),
+        ("n" * 251, "nnnnnnnnnnnnnnnnnnnn…: this name is too long"),
+    ],
 )
 def test_what_cannot_be_saved_is_told(tmp_path, name, told):
     chosen = choice(tmp_path)
@@ -44,6 +50,15 @@ def test_what_cannot_be_saved_is_told(tmp_path, name, told):
     assert chosen.told("Save").startswith(told)
     chosen.enter("car")
     assert chosen.told("Save") == ""
+
+
+def test_blanks_around_a_name_are_no_part_of_it_and_what_failed_before_is_told(tmp_path):
+    chosen = choice(tmp_path, error="the disk is full")
+    assert chosen.told("Save") == "the disk is full"
+    for name in (" car ", "no/../car"):
+        chosen.enter(name)
+        assert chosen.told("Save") == ""
+        assert chosen.accept() == (True, tmp_path.resolve() / "car.json")
 
 
 def test_a_folder_that_is_not_there_is_made_at_the_second_answer(tmp_path):

@@ -67,7 +67,7 @@ def an_outgrown_level():
 @pytest.mark.parametrize("format", ["kinetix-level", "kinetix-env"])
 def test_a_level_that_outgrew_its_size_can_be_opened_again(path, format):
     session = a_session(level=an_outgrown_level())
-    assert file.save_now(session, session.document, path, format)
+    assert file.save_now(session, session.document, path, format) == ""
     assert any("does not fit size s" in text for text in texts(session))
     assert not session.document.dirty
     assert len(load_level(path).bodies) == len(session.document.level.bodies)
@@ -82,10 +82,10 @@ def test_a_failed_save_of_a_level_that_outgrew_its_size_changes_nothing(path, mo
     entries = len(session.document.history.entries)
     with monkeypatch.context() as patch:
         patch.setattr(os, "fsync", full)
-        assert not file.save_now(session, session.document, path, "kinetix-level")
+        assert "No space" in file.save_now(session, session.document, path, "kinetix-level")
     assert session.document.level.size == "s"
     assert len(session.document.history.entries) == entries
-    assert file.save_now(session, session.document, path, "kinetix-level")
+    assert file.save_now(session, session.document, path, "kinetix-level") == ""
     assert any("does not fit size s" in text for text in texts(session))
 
 
@@ -156,7 +156,9 @@ def test_a_failed_save_is_told(path):
     path.parent.rmdir()
     actions.run(session, "file.save")
     assert session.document.dirty
-    assert any(f"{path}: cannot be saved: its folder is gone" in text for text in texts(session))
+    told = f"{path}: cannot be saved: its folder is gone"
+    assert any(told in line for line in session.log.lines)
+    assert session.prompts[-1].error.endswith("its folder is gone"), "where it can be read"
 
 
 def test_what_cannot_be_saved_there_may_be_saved_elsewhere(path, tmp_path, monkeypatch):
@@ -167,7 +169,8 @@ def test_what_cannot_be_saved_there_may_be_saved_elsewhere(path, tmp_path, monke
         context.setattr(os, "access", lambda *args: False)
         actions.run(session, "file.save")
         question = session.prompts[-1]
-    assert question.purpose == "save" and question.name != path.name
+    assert question.purpose == "save" and question.folder == user_levels_dir()
+    assert "read-only" in question.error
     session.prompts.pop().answer(tmp_path / "elsewhere.json")
     assert not session.document.dirty
     assert session.document.path == tmp_path / "elsewhere.json"

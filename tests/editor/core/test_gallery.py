@@ -141,6 +141,11 @@ def test_folders_behind_links_and_names_in_capitals_are_shown(library, folder, t
     assert len(library.cards) == 5
 
 
+def test_the_name_on_a_card_is_one_line(folder):
+    save_level(playable("Rocket", 1.7).replace(name="a\nb"), folder / "rocket.json")
+    assert read_card(folder / "rocket.json")[0].name == "a b"
+
+
 def test_a_link_to_too_many_folders_is_told(library, folder, tmp_path, monkeypatch):
     for k in range(3):
         (tmp_path / "disk" / str(k)).mkdir(parents=True)

@@ -3,7 +3,9 @@
 import pytest
 
 from editor import actions
+from editor.actions import many_files
 from editor.gallery.export import SetPlan, export_set
+from editor.window.panels.under_way import under_way
 from kinetix.level.codec import save_level
 from tests.editor.core.helpers import texts
 from tests.editor.core.test_gallery import (  # noqa: F401
@@ -29,6 +31,37 @@ def test_copies_are_made_of_all_that_can_be_read(session, folder):  # noqa: F811
     assert {"Hill cart copy", "Rocket copy"} <= names_of(session)
     chosen = session.gallery.chosen(session.library, session.results)
     assert {card.name for card in chosen} == {"Hill cart copy", "Rocket copy"}
+
+
+@pytest.fixture
+def slow(monkeypatch):
+    """Files take so long that a frame has time for one."""
+    monkeypatch.setattr(many_files, "AT_ONCE", 0)
+    monkeypatch.setattr(many_files, "_SLICE", 0.0)
+
+
+def test_many_files_are_worked_on_frame_by_frame(session, folder, slow):  # noqa: F811
+    choose(session, "Hill cart", "Rocket", "Nothing")
+    actions.run(session, "gallery.duplicate")
+    assert session.gallery.work.done == 1 and len(list(folder.rglob("*_copy*.json"))) == 1
+    (part,) = [part for part in under_way(session) if part.action == "gallery.stop"]
+    assert part.words.endswith("Copying levels 33%")
+    actions.run(session, "gallery.delete")
+    assert texts(session)[-1] == many_files.BUSY
+    for _ in range(4):
+        actions.update(session, 0.01)
+    assert session.gallery.work is None and "Made 3 copies" in texts(session)
+
+
+def test_escape_stops_the_work_on_files_and_what_is_done_stays(session, folder, slow):  # noqa: F811
+    choose(session, "Hill cart", "Rocket")
+    actions.run(session, "gallery.delete")
+    actions.run(session, "gallery.close")
+    assert session.gallery.open and session.gallery.work is None
+    assert len(names_of(session) & {"Hill cart", "Rocket"}) == 1
+    actions.run(session, "gallery.restore")
+    actions.update(session, 0.01)
+    assert {"Hill cart", "Rocket"} <= names_of(session)
 
 
 @pytest.fixture

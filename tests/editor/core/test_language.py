@@ -164,7 +164,7 @@ def test_every_command_is_in_it(code):
 SENTENCES = (
     "Export 1 level as a set",
     "Export 3 levels as a set",
-    f"{Icons.warning}  Ctrl+S is taken: Save.",
+    f"{Icons.warning}  Ctrl+S is taken: Save. Give it to Open…?",
     f"{Icons.error}  Car: with an error or gone, no set takes it.",
     f"{Icons.error}  Car, Bus and 3 more: with an error or gone, no set takes it.",
     f"{Icons.close}  only one",
@@ -190,6 +190,11 @@ SENTENCES = (
     "entity transformer, 2 layers of 128, actor 5 × 128, with memory",
     "sees symbolic flat, says multi discrete",
     "No folders and no .gif or .mp4 files here.",
+    "preparing the levels",
+    "compiling: start",
+    "compiling: update",
+    "evaluating 3/100 episodes",
+    "ppo on list levels of size s",
 )
 """Texts that are composed, with the signs before them."""
 

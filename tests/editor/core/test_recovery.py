@@ -312,6 +312,22 @@ def test_closing_without_saving_gives_it_up(start, clock, path):
     assert copies() == []
 
 
+def test_what_is_restored_stands_in_the_order_of_its_tabs(start, clock, path):
+    session = start(path)
+    for name in ("b", "c"):
+        save_level(a_level(), path.with_name(f"{name}.json"))
+        actions.file.open_path(session, path.with_name(f"{name}.json"))
+    names = [tab.document.path.name for tab in session.tabs]
+    for number in (2, 0, 1):
+        session.show_tab(number)
+        session.execute(MOVE)
+        later(session, clock, 4)
+    kill(session)
+    session = start()
+    session.answer(session.prompts[-1], "restore")
+    assert [tab.document.path.name for tab in session.tabs if tab.document.path] == names
+
+
 def test_asking_again_next_time_keeps_it(start, clock, path):
     left(start, clock, path)
     for _ in range(2):

@@ -141,6 +141,24 @@ def test_a_card_is_dragged_into_the_set(gallery):
     assert [Path(path).name for path in gallery.session.gallery.tray] == ["rocket.json"]
 
 
+def test_escape_breaks_the_dragging_of_a_card_off(gallery):
+    gallery.click("gallery.tab.set")
+    x, y = gallery.probe("gallery.card.rocket").centre
+    to = gallery.probe("gallery.tab.set").centre
+    gallery.move(x, y)
+    gallery.button(x, y, pressed=True)
+    for k in range(1, 9):
+        gallery.move(x + (to[0] - x) * k / 8, y + (to[1] + 60 - y) * k / 8)
+    gallery.key("escape")
+    assert gallery.session.gallery.open
+    gallery.move(to[0], to[1] + 50)
+    gallery.button(to[0], to[1] + 50, pressed=False)
+    gallery.frames(3)
+    assert gallery.session.gallery.tray == {}
+    gallery.key("escape")
+    assert not gallery.session.gallery.open
+
+
 def test_a_set_is_exported_by_keys_and_buttons(gallery, mine):
     gallery.key("ctrl+a")
     gallery.key("ctrl+shift+a")

@@ -197,3 +197,17 @@ def test_a_hint_that_has_no_room_ends_in_an_ellipsis(low, monkeypatch):
     low.frames(4)
     assert len(shown) > 4
     assert all(fits for _, fits in shown), shown
+
+
+def test_at_300_percent_the_gallery_is_left_by_its_cross_and_keys_have_names(make_gui, language):
+    session = a_session()
+    session.settings.language = language
+    gui = make_gui(session=session, size=(1024, 700), scale=3.0)
+    gui.session.queue("level.gallery")
+    gui.frames(8)
+    assert gui.probe("gallery.order").high[0] <= 1024
+    gui.click("gallery.close")
+    assert not session.gallery.open
+    gui.session.queue("app.keys")
+    gui.frames(8)
+    assert gui.probe("keys.file.new").low[0] > 300, "its name stands before it"

@@ -5,6 +5,7 @@ import json
 
 import numpy as np
 import pytest
+from imgui_bundle import imgui, implot
 
 from editor import actions
 from editor.actions import agents, export, measure, watch
@@ -429,6 +430,36 @@ def test_runs_are_drawn_beside_each_other_smoothed_and_as_a_band(gui):
     gui.click("training.drop.1")
     gui.frames(3)
     assert viewer.other_runs == ()
+
+
+def a_run(gui, values):
+    rows = [{"timing/num_env_steps": float(k), "timing/sps": v} for k, v in enumerate(values)]
+    gui.session.viewer.run.path = "/runs/one"
+    gui.session.viewer.run.metrics = Metrics(rows)
+    front(gui, "training")
+
+
+def test_the_metrics_to_choose_from_are_one_line_each(gui):
+    a_run(gui, [1.0])
+    gui.click("training.metrics")
+    gui.frames(3)
+    box = gui.probe("training.metric.timing/sps")
+    assert box.high[1] - box.low[1] <= 1.1 * imgui.get_frame_height()
+
+
+def test_a_logarithmic_axis_reaches_from_the_least_to_the_greatest(gui, monkeypatch):
+    ends = []
+    end_plot = implot.end_plot
+
+    def noted():
+        ends.append(implot.get_plot_limits().y)
+        end_plot()
+
+    a_run(gui, [3.0, 8000.0, 7000.0])
+    gui.click("training.log")
+    monkeypatch.setattr(implot, "end_plot", noted)
+    gui.frames(3)
+    assert ends and 1.0 <= ends[-1].min <= 3.0 and ends[-1].max < 1e5
 
 
 def test_the_ways_of_attempts_are_drawn_and_open_where_they_part(with_agent):

@@ -467,8 +467,44 @@ def test_a_key_is_changed_with_the_mouse_and_the_keyboard(gui):
     gui.frames(3)
     gui.click("keys.reset_all")
     gui.key("escape")
+    assert gui.session.settings.keys, "it asks first"
+    gui.click("keys.reset_all")
+    gui.click("question.reset")
+    gui.key("escape")
     gui.key("r")
     assert gui.session.tool.id == "rectangle"
+
+
+def test_a_field_stops_waiting_for_a_key_once_the_search_is_used(gui):
+    gui.session.queue("app.keys")
+    gui.frames(4)
+    gui.click("keys.file.open")
+    gui.click("keys.search")
+    assert gui.session.hands.capture is None
+    gui.key("k")
+    assert gui.session.settings.keys == {}
+    gui.text("ope")
+    gui.click("keys.search.clear")
+    gui.click("keys.file.open")
+    gui.key("q")
+    assert gui.shows("keys.take")
+    gui.click("keys.search")
+    assert not gui.shows("keys.take"), "the question is about a row that may go"
+
+
+def test_driving_keys_lose_their_key_and_get_it_back(gui):
+    gui.session.queue("app.keys")
+    gui.frames(4)
+    gui.click("keys.search")
+    gui.text("group 1, for")
+    gui.click("keys.drive.0.1")
+    gui.key("ctrl+k")
+    assert gui.session.settings.controls == {}
+    assert "Ctrl+K cannot drive" in gui.session.toasts[-1].text
+    gui.click("keys.clear.drive.0.1")
+    assert "left" not in gui.session.control_keys
+    gui.click("keys.reset.drive.0.1")
+    assert gui.session.settings.controls == {}
 
 
 def test_the_reset_of_a_key_names_the_key_that_is_taken(gui):
@@ -596,3 +632,14 @@ def test_the_map_shows_what_lies_outside_of_the_arena_in_edit(make_gui):
         assert low[0] <= x <= low[0] + side and low[1] <= y <= low[1] + side
     gui.click_at(*camera.to_screen((-2.0, 6.5)))
     assert math.dist(gui.session.camera.centre, (-2.0, 6.5)) < 0.1
+
+
+def test_a_name_of_two_lines_is_shown_in_one(make_gui):
+    gui = make_gui(level=Level(name="a\nb"))
+    low, high = gui.probe("level.name").low, gui.probe("level.name").high
+    assert high[1] - low[1] <= 1.1 * imgui.get_frame_height()
+    gui.click("level.name")
+    gui.key("end")
+    gui.text("c")
+    gui.key("return")
+    assert gui.level.name == "a bc"

@@ -30,8 +30,8 @@ _SWITCH: Final = 136.0
 _WINNERS: Final = 190.0
 _CLEAR: Final = 100.0
 """Widths of what filters [px at 100 %]."""
-
-
+_LEAST: Final = 136.0
+"""Room that the shortest search and the arrow of the order take [px at 100 %]."""
 _LIST: Final = 240.0
 """Width of the list of folders, sets and tags where they have no column [px at 100 %]."""
 _PLACES: Final = "###places"
@@ -53,7 +53,16 @@ def draw_head(session: "Session", cards: Sequence[Card], *, places: bool) -> Non
         widgets.text(f"{Icons.gallery}  Gallery")
     imgui.same_line(0, px(18))
     close, free = px(34), imgui.get_content_region_avail().x
+    beside = imgui.get_cursor_pos()
+    imgui.set_cursor_pos_x(imgui.get_window_width() - close - px(10))
+    if widgets.icon_button(session, "gallery.close", Icons.close):
+        session.queue("gallery.close")
+    widgets.tooltip("Back to the level", keys="Esc")
     order = px(150) if free > px(420) else px(112)
+    if free < px(_LEAST) + order + close:  # The search and the order have a line of their own.
+        free = imgui.get_content_region_avail().x
+    else:
+        imgui.set_cursor_pos(beside)
     room = free - close - order - px(60 + _COUNT)
     searched = bool(wish.words)
     cross = widgets.icon_width(Icons.close) + px(2) if searched else 0.0
@@ -77,10 +86,6 @@ def draw_head(session: "Session", cards: Sequence[Card], *, places: bool) -> Non
         gallery.wish = dataclasses.replace(wish, descending=not wish.descending)
     widgets.tooltip("The other way round")
     _count(session, len(cards))
-    imgui.same_line(imgui.get_window_width() - close - px(10))
-    if widgets.icon_button(session, "gallery.close", Icons.close):
-        session.queue("gallery.close")
-    widgets.tooltip("Back to the level", keys="Esc")
     _filters(session)
     if not places:
         _folder(session)
