@@ -128,31 +128,32 @@ def test_delete_asks_nothing_and_the_toast_brings_back(gallery, mine):
     assert (mine / "rocket.json").exists()
 
 
-def test_a_card_is_dragged_into_the_set(gallery):
+def drag_a_card_to_the_set(gallery):
+    """Leave the button down, and return where."""
     gallery.click("gallery.tab.set")
     x, y = gallery.probe("gallery.card.rocket").centre
-    to = gallery.probe("gallery.tab.set").centre
+    tab = gallery.probe("gallery.tab.set").centre
+    to = tab[0], tab[1] + 60
     gallery.move(x, y)
     gallery.button(x, y, pressed=True)
     for k in range(1, 9):
-        gallery.move(x + (to[0] - x) * k / 8, y + (to[1] + 60 - y) * k / 8)
-    gallery.button(to[0], to[1] + 60, pressed=False)
+        gallery.move(x + (to[0] - x) * k / 8, y + (to[1] - y) * k / 8)
+    return to
+
+
+def test_a_card_is_dragged_into_the_set(gallery):
+    to = drag_a_card_to_the_set(gallery)
+    gallery.button(*to, pressed=False)
     gallery.frames(3)
     assert [Path(path).name for path in gallery.session.gallery.tray] == ["rocket.json"]
 
 
 def test_escape_breaks_the_dragging_of_a_card_off(gallery):
-    gallery.click("gallery.tab.set")
-    x, y = gallery.probe("gallery.card.rocket").centre
-    to = gallery.probe("gallery.tab.set").centre
-    gallery.move(x, y)
-    gallery.button(x, y, pressed=True)
-    for k in range(1, 9):
-        gallery.move(x + (to[0] - x) * k / 8, y + (to[1] + 60 - y) * k / 8)
+    x, y = drag_a_card_to_the_set(gallery)
     gallery.key("escape")
     assert gallery.session.gallery.open
-    gallery.move(to[0], to[1] + 50)
-    gallery.button(to[0], to[1] + 50, pressed=False)
+    gallery.move(x, y - 10)
+    gallery.button(x, y - 10, pressed=False)
     gallery.frames(3)
     assert gallery.session.gallery.tray == {}
     gallery.key("escape")
