@@ -130,7 +130,7 @@ def test_columns_of_limits_say_that_the_reference_angle_is_taken_off_twice(
             (k, each.meaning) for k, each in enumerate(layout.joint) if each.name == name
         ]
         assert rows[hinge, column] == getattr(joints, f"limit_{end}")[hinge] - 0.75
-        assert "counts from that angle already" in meaning
+        assert "takes it off twice" in meaning
 
 
 def test_flat_is_the_padded_form_without_padding(layout: Layout, moving: EnvState) -> None:

@@ -173,7 +173,7 @@ class TrainingPanel(Panel):
             imgui.open_popup("metrics")
         names = session.viewer.run.metrics.names
         # Boxes break their words where they have no room, and a popup begins without any.
-        widest = max((imgui.calc_text_size(tr(name)).x for name in names), default=0.0)
+        widest = max((imgui.calc_text_size(name).x for name in names), default=0.0)
         room = (widest + imgui.get_frame_height() + px(60), imgui.FLT_MAX)
         imgui.set_next_window_size_constraints((room[0], 0), room)
         if imgui.begin_popup("metrics"):

@@ -434,8 +434,9 @@ def test_runs_are_drawn_beside_each_other_smoothed_and_as_a_band(gui):
 
 def a_run(gui, values):
     rows = [{"timing/num_env_steps": float(k), "timing/sps": v} for k, v in enumerate(values)]
-    gui.session.viewer.run.path = "/runs/one"
-    gui.session.viewer.run.metrics = Metrics(rows)
+    gui.stage.news = RunNews(rows=tuple(rows), total=len(rows), newest=None)
+    watch.watch_run(gui.session, "/runs/one")
+    settle(gui)
     front(gui, "training")
 
 
