@@ -1,15 +1,15 @@
 """Every key of the app, to be changed: press the field, press the new key."""
 
 import dataclasses
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Final
 
 from imgui_bundle import imgui
 
 from editor import actions
 from editor.actions import rebinding
-from editor.actions.base import Action
-from editor.base.controls import CHANNELS, DEFAULT_KEYS, Drive
+from editor.actions.keyed import Keyed, KeyedAction, KeyedDrive
+from editor.base.controls import CHANNELS, Drive
 from editor.base.language import tr
 from editor.base.prompts import Choice, Question
 from editor.toolkit import widgets
@@ -26,18 +26,28 @@ _KEYS: Final = 230.0
 """Width of the keys' column, at most half of what there is [px at 100 %]."""
 _BUTTONS: Final = 64.0
 """Width of the buttons' column [px at 100 %]."""
-_DRIVES: Final = tuple(
-    Drive(channel=channel, value=value)
-    for channel in range(CHANNELS)
-    for value in ((1, 2) if channel < 4 else (1,))
+_GROUPS: Final[tuple[tuple[str, tuple[Keyed, ...]], ...]] = (
+    *(
+        (menu, tuple(KeyedAction(action) for action in actions.ACTIONS if action.menu == menu))
+        for menu in MENUS
+    ),
+    (
+        _DRIVING,
+        tuple(
+            KeyedDrive(Drive(channel=channel, value=value))
+            for channel in range(CHANNELS)
+            for value in ((1, 2) if channel < 4 else (1,))
+        ),
+    ),
 )
+"""Titles and rows."""
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class _Clash:
     """A new key that means something else already."""
 
-    target: Action | Drive
+    target: Keyed
     chord: str
     other: str
 
@@ -47,7 +57,7 @@ class KeysWindow:
 
     def __init__(self) -> None:
         self._typed = ""
-        self._target: Action | Drive | None = None
+        self._target: Keyed | None = None
         self._clash: _Clash | None = None
 
     def draw(self, session: "Session") -> None:
@@ -93,7 +103,7 @@ class KeysWindow:
         imgui.align_text_to_frame_padding()
         if self._clash is not None:
             clash = self._clash
-            label = _label(clash.target)
+            label = clash.target.label
             widgets.wrapped(
                 f"{Icons.warning}  {chord_label(clash.chord)} is taken: {clash.other}. "
                 f"Give it to {label}?",
@@ -106,29 +116,23 @@ class KeysWindow:
             if widgets.button(session, "keys.leave", "Keep it there"):
                 self._clash = None
         elif self._target is not None:
-            label = _label(self._target)
+            label = self._target.label
             widgets.wrapped(f"{label}: press the new key. Esc keeps the old one.", COLOURS.accent)
         else:
             widgets.wrapped("Click a key, then press another one.", COLOURS.muted)
 
     def _rows(self, session: "Session") -> None:
         found = False
-        for menu in MENUS:
-            rows = [
-                action
-                for action in actions.ACTIONS
-                if action.menu == menu and self._fits(session, action)
-            ]
-            if rows:
+        for title, rows in _GROUPS:
+            names = (title,) if title == _DRIVING else ()
+            chosen = [row for row in rows if self._finds((row.label, *names), row.chords(session))]
+            if chosen:
                 found = True
-                self._group(session, menu, rows)
-        drives = [drive for drive in _DRIVES if self._drive_fits(session, drive)]
-        if drives:
-            self._group(session, _DRIVING, drives)
-        elif not found:
+                self._group(session, title, chosen)
+        if not found:
             widgets.wrapped(f"Nothing here is called {self._typed}.", COLOURS.muted)
 
-    def _group(self, session: "Session", title: str, rows: list[Action] | list[Drive]) -> None:
+    def _group(self, session: "Session", title: str, rows: Sequence[Keyed]) -> None:
         with widgets.font(FONTS.bold, SMALL):
             widgets.raw(tr(title).upper(), COLOURS.accent)
         if imgui.begin_table(f"keys-{title}", 3, imgui.TableFlags_.sizing_stretch_prop.value):
@@ -139,55 +143,37 @@ class KeysWindow:
             imgui.table_setup_column("reset", fixed, px(_BUTTONS))
             for row in rows:
                 imgui.table_next_row()
-                if isinstance(row, Drive):
-                    self._drive(session, row)
-                else:
-                    self._action(session, row)
+                self._row(session, row)
             imgui.end_table()
         imgui.dummy((0, px(8)))
 
-    def _action(self, session: "Session", action: Action) -> None:
+    def _row(self, session: "Session", row: Keyed) -> None:
         imgui.table_next_column()
         imgui.align_text_to_frame_padding()
-        widgets.text(action.label)
-        if action.tooltip:
-            widgets.tooltip(action.label, action.tooltip)
+        widgets.text(row.label)
+        if row.tooltip:
+            widgets.tooltip(row.label, row.tooltip)
         imgui.table_next_column()
-        words = "   ".join(map(chord_label, actions.chords(session, action)))
-        self._field(session, action, action.id, words)
-        self._buttons(session, action, action.id, has_key=bool(actions.chords(session, action)))
-
-    def _drive(self, session: "Session", drive: Drive) -> None:
+        self._field(session, row)
+        # No key, and as at first, where that would change something.
         imgui.table_next_column()
-        imgui.align_text_to_frame_padding()
-        widgets.text(rebinding.drive_label(drive))
-        imgui.table_next_column()
-        keys = rebinding.driving_keys(session.control_keys, drive)
-        name = f"drive.{drive.channel}.{drive.value}"
-        self._field(session, drive, name, "   ".join(map(chord_label, keys)))
-        self._buttons(session, drive, name, has_key=bool(keys))
-
-    def _buttons(
-        self, session: "Session", target: Action | Drive, name: str, *, has_key: bool
-    ) -> None:
-        """No key, and as at first, where that would change something."""
-        imgui.table_next_column()
-        if has_key:
-            if widgets.icon_button(session, f"keys.clear.{name}", Icons.close):
-                session.queue(lambda: _unbind(session, target))
+        if row.chords(session):
+            if widgets.icon_button(session, f"keys.clear.{row.name}", Icons.close):
+                session.queue(lambda: row.unbind(session))
             widgets.tooltip("No key")
             imgui.same_line(0, px(2))
-        if _changed(session, target):
-            if widgets.icon_button(session, f"keys.reset.{name}", Icons.reset):
-                session.queue(lambda: _reset(session, target))
+        if row.changed(session):
+            if widgets.icon_button(session, f"keys.reset.{row.name}", Icons.reset):
+                session.queue(lambda: _reset(session, row))
             widgets.tooltip("As at first")
 
-    def _field(self, session: "Session", target: Action | Drive, name: str, words: str) -> None:
+    def _field(self, session: "Session", target: Keyed) -> None:
+        words = "   ".join(map(chord_label, target.chords(session)))
         waiting = self._target == target
         shown = "…" if waiting else words or "none"
         colour = COLOURS.accent if waiting else (COLOURS.text if words else COLOURS.faint)
         with widgets.coloured(text=colour):
-            pressed = widgets.button(session, f"keys.{name}", shown, width=-1.0)
+            pressed = widgets.button(session, f"keys.{target.name}", shown, width=-1.0)
         if pressed:
             self._target, self._clash = target, None
             session.hands.capture = lambda chord: self._pressed(session, chord)
@@ -198,25 +184,18 @@ class KeysWindow:
         session.hands.capture = None
         if target is None or chord == "escape":
             return
-        if isinstance(target, Drive) and "+" in chord[:-1]:
+        if not target.takes(chord):
             session.complain(f"{chord_label(chord)} cannot drive: only a key by itself can.")
             return
-        other = _conflict(session, target, chord)
+        other = target.conflict(session, chord)
         if other:
             self._clash = _Clash(target=target, chord=chord, other=other)
         else:
             self._give(session, target, chord)
 
-    def _give(self, session: "Session", target: Action | Drive, chord: str) -> None:
+    def _give(self, session: "Session", target: Keyed, chord: str) -> None:
         self._clash = None
-        _bind(session, target, chord)
-
-    def _fits(self, session: "Session", action: Action) -> bool:
-        return self._finds((action.label,), actions.chords(session, action))
-
-    def _drive_fits(self, session: "Session", drive: Drive) -> bool:
-        keys = rebinding.driving_keys(session.control_keys, drive)
-        return self._finds((rebinding.drive_label(drive), _DRIVING), keys)
+        target.bind(session, chord)
 
     def _finds(self, names: Iterable[str], chords: Iterable[str]) -> bool:
         """Return whether all that is typed is in the keys, or in the English or shown names."""
@@ -225,49 +204,14 @@ class KeysWindow:
         return all(word in words for word in self._typed.lower().split())
 
 
-def _label(target: Action | Drive) -> str:
-    return rebinding.drive_label(target) if isinstance(target, Drive) else target.label
-
-
-def _conflict(session: "Session", target: Action | Drive, chord: str) -> str:
-    if isinstance(target, Drive):
-        return rebinding.drive_conflict(session, target, chord)
-    return rebinding.conflict(session, target, chord)
-
-
-def _changed(session: "Session", target: Action | Drive) -> bool:
-    if isinstance(target, Drive):
-        return rebinding.drive_changed(session, target)
-    return rebinding.changed(session, target)
-
-
-def _bind(session: "Session", target: Action | Drive, chord: str) -> None:
-    if isinstance(target, Drive):
-        rebinding.bind_drive(session, target, chord)
-    else:
-        rebinding.bind(session, target, chord)
-
-
-def _unbind(session: "Session", target: Action | Drive) -> None:
-    if isinstance(target, Drive):
-        rebinding.unbind_drive(session, target)
-    else:
-        rebinding.unbind(session, target)
-
-
-def _reset(session: "Session", target: Action | Drive) -> None:
+def _reset(session: "Session", target: Keyed) -> None:
     """The keys as at first, unless something else has them now."""
-    drives = isinstance(target, Drive)
-    first = rebinding.driving_keys(DEFAULT_KEYS, target) if drives else target.keys
-    for chord in first:
-        other = _conflict(session, target, chord)
+    for chord in target.first:
+        other = target.conflict(session, chord)
         if other:
             session.complain(f"{chord_label(chord)} is {other} now.")
             return
-    if isinstance(target, Drive):
-        rebinding.bind_drive(session, target, *first)
-    else:
-        session.settings.keys.pop(target.id, None)
+    target.reset(session)
 
 
 def _ask_reset(session: "Session") -> None:
