@@ -1,4 +1,4 @@
-"""What has keys: an action, or what a key drives in Play. Both are asked in the same way."""
+"""Rows of *Change keys*: an action, or the motors or thrusters that a key drives in Play."""
 
 import dataclasses
 
@@ -22,7 +22,7 @@ class KeyedAction:
 
     @property
     def label(self) -> str:
-        """What it is called."""
+        """Label of its row."""
         return self.action.label
 
     @property
@@ -78,7 +78,7 @@ class KeyedDrive:
 
     @property
     def label(self) -> str:
-        """What it is called."""
+        """Label of its row."""
         return rebinding.drive_label(self.drive)
 
     @property

@@ -98,7 +98,7 @@ def make_card(level: Level, path: Path, modified_ns: int, size: int, format: str
         path=str(path),
         modified_ns=modified_ns,
         bytes=size,
-        name=" ".join(level.name.split("\n")),
+        name=level.name.replace("\n", " "),
         description=level.description,
         tags=level.tags,
         size=describe_capacity(capacity),

@@ -18,11 +18,11 @@ class FileWork:
 
     title: str
     total: int
-    """How many files there are."""
+    """Number of files."""
     steps: Generator[None]
     """Does one file a step."""
     done: int = 0
-    """How many of them are done with."""
+    """Number of files that are finished."""
 
 
 @dataclasses.dataclass(kw_only=True)

@@ -33,4 +33,4 @@ CONDITIONS: Final[dict[str, Callable[[Session], bool]]] = {
         and session.gallery.work is None
     ),
 }
-"""What can be waited for, and whether it is so."""
+"""Names of the states, and tests for them."""

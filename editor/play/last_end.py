@@ -8,7 +8,7 @@ from editor.worker.recording import Snapshot
 
 @dataclass
 class LastEnd:
-    """What was noted of it."""
+    """Its episode, its last moment, and a win to be kept."""
 
     episode: int = -1
     """The last episode whose end was kept in the results."""

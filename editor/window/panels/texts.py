@@ -61,7 +61,7 @@ class TextFields:
             hint: What an empty field shows.
             longest: Characters that are kept; 0: all.
         """
-        value = " ".join(value.split("\n"))
+        value = value.replace("\n", " ")
         shown = self._shown(name, value)
         if session.view.field == name:
             session.view.field = ""
