@@ -18,7 +18,7 @@ from editor.documents.old_names import OldNames
 from editor.gallery.kept_set import KeptSet
 from editor.gallery.results import Results
 from editor.session import Session
-from editor.worker.jobs import keep_what_was_compiled
+from editor.worker.bridge import keep_what_was_compiled
 from kinetix.command_line.parse import parse
 from kinetix.errors import KinetixError
 from kinetix.failures import Terminated, ending_signals, guarded, leave, signals_to, terminable

@@ -9,7 +9,6 @@ import dataclasses
 import enum
 import heapq
 import itertools
-import sys
 import threading
 import time
 import traceback
@@ -17,6 +16,7 @@ from collections.abc import Callable, Sequence
 from typing import Any, Final
 
 from editor.base.journal import Journal
+from editor.worker.bridge import perform_in_simulation
 from editor.worker.priority import step_back
 from editor.worker.recording import Action, Snapshot
 from editor.worker.requests import (
@@ -30,7 +30,6 @@ from editor.worker.requests import (
     KeepPrograms,
     Observe,
     Perform,
-    Progress,
     Pull,
     Rehearse,
     RenderState,
@@ -40,7 +39,6 @@ from editor.worker.requests import (
     Tailor,
     WarmUp,
 )
-from editor.worker.yielding import without_pauses
 from kinetix.errors import KinetixError
 from kinetix.level.model import Level
 
@@ -103,30 +101,6 @@ class Job:
     def cancelled(self) -> bool:
         """True if somebody asked it to stop."""
         return self._cancel.is_set()
-
-
-def perform_in_simulation(request: Request, progress: Progress) -> Any:
-    """Do a request in the simulation; imports JAX on the first call."""
-    if "editor.worker.simulation.perform" not in sys.modules:
-        progress.report(None, "Starting the simulation")
-        with without_pauses():
-            from editor.worker import simulation
-
-            simulation.start()
-    from editor.worker import simulation
-
-    return simulation.perform(request, progress)
-
-
-def keep_what_was_compiled() -> None:
-    """Write the steps that were compiled to disk, where the simulation has been used at all.
-
-    A tenth of a second for each. Whoever leaves soon, or out of Play, finds them the next time.
-    """
-    if "editor.worker.simulation.perform" in sys.modules:
-        from editor.worker.simulation import keep_programs
-
-        keep_programs()
 
 
 PREPARATIONS: Final = "preparations"

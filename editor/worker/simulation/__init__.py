@@ -1,4 +1,4 @@
-"""The one bridge to JAX: does what a job asks for. Only `editor.worker.jobs` imports it."""
+"""The one bridge to JAX: does what a job asks for. Only `editor.worker.bridge` imports it."""
 
 from editor.worker.simulation.perform import perform
 from editor.worker.simulation.stepping import keep_programs

@@ -30,7 +30,7 @@ from kinetix.pytree import pytree
 
 @pytree
 class WayLeft:
-    """Share of its way in a step that each body may go before a wall; jointed bodies have the same."""
+    """Share of its way in a step that walls leave to each body; jointed bodies have the same."""
 
     share: Float[Array, "b n"]
     """Of the way; 1 where nothing is in it."""

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from editor.worker.jobs import keep_what_was_compiled
+from editor.worker.bridge import keep_what_was_compiled
 from editor.worker.requests import Cancelled
 from editor.worker.simulation import disk
 from editor.worker.simulation.compiling import FULL, QUICK, Pace, Programs, Recipe, slowing

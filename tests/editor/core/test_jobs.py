@@ -248,7 +248,8 @@ def test_the_simulation_starts_on_all_cores(monkeypatch):
     monkeypatch.setenv("KINETIX_CORES", "3")
     monkeypatch.delenv("JAX_NUM_CPU_DEVICES", raising=False)
     code = (
-        "from editor.worker.jobs import Job, perform_in_simulation\n"
+        "from editor.worker.bridge import perform_in_simulation\n"
+        "from editor.worker.jobs import Job\n"
         "from editor.worker.requests import RandomLevel\n"
         "request = RandomLevel(seed=0, size='s')\n"
         "try:\n"
