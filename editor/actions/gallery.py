@@ -1,20 +1,17 @@
-"""Actions of the gallery: open it, open, rename, duplicate and delete levels."""
+"""Actions of the gallery: open it, choose levels, open and measure them; its folders."""
 
 import os
-from collections.abc import Callable, Generator
+from collections.abc import Callable
 from pathlib import Path
 from typing import Final
 
-from editor.actions import agents, file, many_files, measure, outside, unsaved
+from editor.actions import agents, file, many_files, measure
 from editor.actions.evaluating import if_free
-from editor.base.prompts import FileQuestion, TextQuestion
-from editor.gallery import filing
+from editor.base.prompts import FileQuestion
 from editor.gallery.card import Card
-from editor.gallery.filing import Trashed
-from editor.gallery.named_levels import set_name, sets_naming
 from editor.play.mode import Mode
 from editor.session import Session
-from kinetix.errors import CommandError, LevelError
+from kinetix.errors import CommandError
 from kinetix.paths import levels_dir, user_levels_dir
 
 MAX_OPENED: Final = 12
@@ -146,159 +143,6 @@ def select_all(session: Session) -> None:
     """Choose all that is shown."""
     gallery = session.gallery
     gallery.selection = tuple(card.path for card in gallery.shown(session.library, session.results))
-
-
-def _guard_file(session: Session, path: Path) -> None:
-    """Refuse what would take a file away from under unsaved changes, or from the app itself.
-
-    Raises:
-        CommandError: With the reason.
-    """
-    if filing.bundled(path):
-        raise CommandError(f"{path.name} came with the app: duplicate it and change the copy.")
-    index = session.tabs.locate(path)
-    if index is not None and session.tabs[index].document.dirty:
-        raise CommandError(f"{path.name} has unsaved changes: save or close it first.")
-
-
-def rename(session: Session) -> None:
-    """Ask for another name of the chosen level."""
-    card, *others = chosen_cards(session)
-    if others:
-        raise CommandError("Choose one level to be renamed.")
-    _guard_file(session, card.file)
-
-    def answer(name: str | None) -> None:
-        if name is None or name == card.name:
-            return
-        index = session.tabs.locate(card.file)
-        target = filing.rename(card.file, name)
-        session.old_names.move(card.file, target)
-        if index is not None:
-            document = session.tabs[index].document
-            document.path = target
-            outside.take(session, document)
-        gallery = session.gallery
-        gallery.selection, gallery.focus = (str(target),), str(target)
-        gallery.renamed(card.path, str(target))
-        look(session)
-        if target != card.file:
-            _tell_sets(session, [card.file])
-
-    session.ask(TextQuestion(title="Rename level", text=card.name, accept="Rename", answer=answer))
-
-
-def _tell_sets(session: Session, gone: list[Path]) -> None:
-    """Say which level sets name files that are not there any more."""
-    names = [set_name(path) for path in sets_naming(gone, session.library.sets)]
-    if names:
-        session.toast(f"Level sets that miss a level now: {unsaved.listed(names)}", "warning")
-
-
-def duplicate(session: Session) -> None:
-    """Copy the chosen levels; copies of the app's own go to the user's folder.
-
-    Raises:
-        LevelError: Some cannot be copied; the others are.
-    """
-    cards = chosen_cards(session)
-    many_files.begin(session, "Copying levels", len(cards), _duplicated(session, cards))
-
-
-def _duplicated(session: Session, cards: list[Card]) -> Generator[None]:
-    made, failed, reason = [], 0, None
-    try:
-        for card in cards:
-            try:
-                made.append(filing.duplicate(card.file))
-            except LevelError as error:
-                failed += 1
-                reason = reason or error
-            yield
-    finally:
-        if made:
-            session.gallery.selection = tuple(map(str, made))
-            session.gallery.focus, session.gallery.scroll = str(made[0]), True
-            told = f"Made {made[0]}" if len(made) == 1 else f"Made {len(made)} copies"
-            session.toast(told, "success")
-            look(session)
-    if reason is not None:
-        raise LevelError(f"{reason}{_and_more(failed)}")
-
-
-def delete(session: Session) -> None:
-    """Move the chosen levels to the trash."""
-    chosen = chosen_cards(session)
-    for card in chosen:
-        _guard_file(session, card.file)
-    many_files.begin(session, "Deleting levels", len(chosen), _deleted(session, chosen))
-
-
-def _deleted(session: Session, cards: list[Card]) -> Generator[None]:
-    thrown = []
-    try:
-        for card in cards:
-            thrown.append(filing.throw_away(card.file))
-            yield
-    finally:
-        if thrown:
-            session.gallery.thrown.append(tuple(thrown))
-            name = cards[0].name if len(thrown) == 1 else f"{len(thrown)} levels"
-            session.toast(f"Moved {name} to the trash", action="gallery.restore")
-        session.gallery.selection = ()
-        for one in thrown:
-            weight = session.gallery.tray.pop(str(one.origin), None)
-            if weight is not None:
-                session.gallery.thrown_weights[one.origin] = weight
-        look(session)
-        _tell_sets(session, [one.origin for one in thrown])
-
-
-def can_restore(session: Session) -> bool:
-    """Return whether something was deleted that can come back."""
-    return bool(session.gallery.thrown)
-
-
-def restore(session: Session) -> None:
-    """Bring back what was deleted last; what cannot come back now waits behind all others.
-
-    Raises:
-        LevelError: Something cannot.
-    """
-    if session.gallery.work is not None:  # Before what it takes is gone from the list.
-        raise CommandError(many_files.BUSY)
-    thrown = session.gallery.thrown.pop()
-    many_files.begin(session, "Bringing levels back", len(thrown), _restored(session, thrown))
-
-
-def _restored(session: Session, thrown: tuple[Trashed, ...]) -> Generator[None]:
-    back, reason = [], None
-    waiting = dict.fromkeys(thrown)
-    try:
-        for one in thrown:
-            try:
-                filing.bring_back(one)
-                back.append(one)
-                del waiting[one]
-            except LevelError as error:
-                reason = reason or error
-            yield
-    finally:
-        for one in back:
-            weight = session.gallery.thrown_weights.pop(one.origin, None)
-            if weight is not None:
-                session.gallery.tray[str(one.origin)] = weight
-        if waiting:
-            session.gallery.thrown.insert(0, tuple(waiting))
-        session.gallery.selection = tuple(str(one.origin) for one in back)
-        look(session)
-    if reason is not None:
-        raise LevelError(f"{reason}{_and_more(len(waiting))}")
-
-
-def _and_more(count: int) -> str:
-    """Return what follows the first of some reasons."""
-    return f" (and {count - 1} more)" if count > 1 else ""
 
 
 def include_folder(session: Session, folder: Path) -> None:

@@ -2,7 +2,7 @@
 
 from typing import Final
 
-from editor.actions import gallery, level_sets, many_files
+from editor.actions import gallery, gallery_files, level_sets, many_files
 from editor.actions.base import Action, Context
 
 GALLERY: Final = (
@@ -44,7 +44,7 @@ GALLERY: Final = (
         context=Context.GALLERY,
         enabled=gallery.choosing,
         refusal="Choose levels in the gallery first.",
-        run=gallery.rename,
+        run=gallery_files.rename,
     ),
     Action(
         id="gallery.duplicate",
@@ -55,7 +55,7 @@ GALLERY: Final = (
         tooltip="Copies of the app's own levels go to your folder.",
         enabled=gallery.choosing,
         refusal="Choose levels in the gallery first.",
-        run=gallery.duplicate,
+        run=gallery_files.duplicate,
     ),
     Action(
         id="gallery.delete",
@@ -66,7 +66,7 @@ GALLERY: Final = (
         tooltip="To the trash.",
         enabled=gallery.choosing,
         refusal="Choose levels in the gallery first.",
-        run=gallery.delete,
+        run=gallery_files.delete,
     ),
     Action(
         id="gallery.restore",
@@ -75,9 +75,9 @@ GALLERY: Final = (
         keys=("ctrl+z",),
         context=Context.GALLERY,
         tooltip="What was deleted last.",
-        enabled=gallery.can_restore,
+        enabled=gallery_files.can_restore,
         refusal="Nothing was moved to the trash.",
-        run=gallery.restore,
+        run=gallery_files.restore,
     ),
     Action(
         id="gallery.stop",

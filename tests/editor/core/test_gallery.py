@@ -13,7 +13,7 @@ import pytest
 
 from editor import actions
 from editor.actions import gallery as doing
-from editor.actions import level_sets, unsaved
+from editor.actions import gallery_files, level_sets, unsaved
 from editor.actions.file import open_path
 from editor.agents.evaluation import Evaluation
 from editor.base.events import DropEvent
@@ -631,7 +631,7 @@ def test_every_deletion_comes_back_the_last_one_first(session, folder):
     assert "Hill cart" in names_of(session) and not (folder / "rocket.json").exists()
     actions.run(session, "gallery.restore")
     assert {"Rocket", "Hill cart"} <= names_of(session)
-    assert not doing.can_restore(session)
+    assert not gallery_files.can_restore(session)
 
 
 def test_what_cannot_come_back_keeps_nothing_else_away_and_waits(session, folder):
