@@ -9,6 +9,7 @@ from editor.actions import agents, file, many_files, measure
 from editor.actions.evaluating import if_free
 from editor.base.prompts import FileQuestion
 from editor.gallery.card import Card
+from editor.gallery.search import Wish
 from editor.play.mode import Mode
 from editor.session import Session
 from kinetix.errors import CommandError
@@ -107,24 +108,34 @@ def play_agent(session: Session) -> None:
 
 def evaluate(session: Session) -> None:
     """Measure agents on the chosen levels, as the fields of *Evaluate* say."""
+    levels = tuple(card.path for card in chosen_cards(session))
+    _evaluate(session, levels, "chosen")
+
+
+def evaluate_set(session: Session, path: Path) -> None:
+    """Measure agents on the levels of a set, as the fields of *Evaluate* say."""
+    _evaluate(session, (str(path),), "set")
+
+
+def _evaluate(session: Session, paths: tuple[str, ...], source: str) -> None:
+    """Measure agents on levels, and let the fields of *Evaluate* name them."""
     who, form = session.viewer.measured, session.viewer.form
     if not who:
         agents.choose("a")(session)
         raise CommandError("Choose an agent first, then evaluate again.")
-    levels = tuple(card.path for card in chosen_cards(session))
 
     def start() -> None:
         measure.start_evaluation(
             session,
             who,
-            levels,
+            paths,
             attempts=form.attempts,
             seed=form.seed,
             physics=form.physics,
             deterministic=session.viewer.deterministic,
         )
-        session.gallery.open = False
-        session.view.front, session.view.levels_to_measure = "evaluate", "chosen"
+        session.gallery.open, session.view.front = False, "evaluate"
+        form.source, form.paths = source, () if source == "chosen" else paths
 
     if_free(session, start)
 
@@ -137,6 +148,12 @@ def move(steps: Callable[[Session], int]) -> Callable[[Session], None]:
         gallery.move(gallery.shown(session.library, session.results), steps(session))
 
     return run
+
+
+def choose_folder(session: Session, folder: Path) -> None:
+    """Show a folder alone, whatever is searched for, and choose all its levels."""
+    session.gallery.folder, session.gallery.wish = folder, Wish()
+    select_all(session)
 
 
 def select_all(session: Session) -> None:

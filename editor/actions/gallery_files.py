@@ -1,13 +1,14 @@
-"""Actions of the level files in the gallery: rename, copy, delete them and bring them back."""
+"""Actions of the level files in the gallery: rename, copy, move, delete, bring back."""
 
 from collections.abc import Generator
 from pathlib import Path
 
 from editor.actions import gallery, many_files, outside, unsaved
-from editor.base.prompts import TextQuestion
+from editor.base.prompts import FileQuestion, TextQuestion
+from editor.documents.document import Document
 from editor.gallery import filing
 from editor.gallery.card import Card
-from editor.gallery.filing import Trashed
+from editor.gallery.filing import MovedFile
 from editor.gallery.named_levels import set_name, sets_naming
 from editor.session import Session
 from kinetix.errors import CommandError, LevelError
@@ -36,21 +37,40 @@ def rename(session: Session) -> None:
     def answer(name: str | None) -> None:
         if name is None or name == card.name:
             return
-        index = session.tabs.locate(card.file)
+        document = _open_document(session, card.file)
         target = filing.rename(card.file, name)
-        session.old_names.move(card.file, target)
-        if index is not None:
-            document = session.tabs[index].document
-            document.path = target
+        _follow(session, document, card.file, target)
+        if document is not None:
             outside.take(session, document)
-        view = session.gallery
-        view.selection, view.focus = (str(target),), str(target)
-        view.renamed(card.path, str(target))
+        session.gallery.selection, session.gallery.focus = (str(target),), str(target)
         gallery.look(session)
         if target != card.file:
             _tell_sets(session, [card.file])
 
     session.ask(TextQuestion(title="Rename level", text=card.name, accept="Rename", answer=answer))
+
+
+def _open_document(session: Session, path: Path) -> Document | None:
+    """Return the level of a tab that shows a file."""
+    index = session.tabs.locate(path)
+    return None if index is None else session.tabs[index].document
+
+
+def _follow(session: Session, document: Document | None, old: Path, new: Path) -> None:
+    """Let all that names a file by its path follow it to another one.
+
+    Args:
+        session: The app.
+        document: The level in the tab that shows the file, if one does.
+        old: Where the file was.
+        new: Where it is.
+    """
+    session.old_names.move(old, new)
+    session.gallery.renamed(str(old), str(new))
+    recents = session.settings.recents
+    session.settings.recents = [str(new) if path == str(old) else path for path in recents]
+    if document is not None:
+        document.path = new
 
 
 def _tell_sets(session: Session, gone: list[Path]) -> None:
@@ -91,6 +111,90 @@ def _duplicated(session: Session, cards: list[Card]) -> Generator[None]:
         raise LevelError(f"{reason}{_and_more(failed)}")
 
 
+def move_to(session: Session) -> None:
+    """Ask for the folder that the chosen levels go to."""
+    cards = gallery.chosen_cards(session)
+    own = gallery.folders(session)[-1]
+
+    def answer(folder: Path | None) -> None:
+        if folder is not None:
+            put_into(session, folder)
+
+    session.ask(
+        FileQuestion(
+            purpose="folder",
+            title="Move to which folder?",
+            folder=own if filing.bundled(cards[0].file) else cards[0].file.parent,
+            fresh=True,
+            answer=answer,
+        )
+    )
+
+
+def put_into(session: Session, folder: Path, *, copies: bool = False) -> None:
+    """Move the chosen levels to a folder; the app's own are copied.
+
+    Args:
+        session: The app.
+        folder: Where they go; made if it is not there. From now on the gallery shows it.
+        copies: True if all stay where they are, and copies of them go there.
+
+    Raises:
+        CommandError: The levels of the folder came with the app, or all are there already.
+    """
+    cards = gallery.chosen_cards(session)
+    if filing.bundled(folder):
+        raise CommandError("This folder came with the app: choose one of your own.")
+    stays = {card.path for card in cards if copies or filing.bundled(card.file)}
+    cards = [card for card in cards if card.path in stays or card.file.parent != folder]
+    if not cards:
+        raise CommandError(f"That is the folder of these levels: {folder}.")
+    for card in cards:
+        if card.path not in stays:
+            _guard_file(session, card.file)
+    title = "Copying levels" if len(stays) == len(cards) else "Moving levels"
+    many_files.begin(session, title, len(cards), _put(session, cards, folder, stays))
+
+
+def _put(session: Session, cards: list[Card], folder: Path, stays: set[str]) -> Generator[None]:
+    copied: list[Path] = []
+    moved: list[MovedFile] = []
+    try:
+        for card in cards:
+            if card.path in stays:
+                copied.append(filing.copy_into(card.file, folder))
+            else:
+                document = _open_document(session, card.file)
+                one = filing.move_into(card.file, folder)
+                _follow(session, document, one.origin, one.file)
+                moved.append(one)
+            yield
+    finally:
+        if moved:
+            session.gallery.moved.append(tuple(moved))
+        _tell_put(session, copied, [one.file for one in moved], folder)
+        _tell_sets(session, [one.origin for one in moved])
+
+
+def _tell_put(session: Session, copied: list[Path], moved: list[Path], folder: Path) -> None:
+    """Say where levels are now, and show them there."""
+    if not (copied or moved):
+        return
+    if moved:
+        what = moved[0].stem if len(moved) == 1 else f"{len(moved)} levels"
+        session.toast(f"Moved {what} to {folder}", "success", action="gallery.restore")
+    if copied:
+        what = copied[0].stem if len(copied) == 1 else f"{len(copied)} levels"
+        session.toast(f"Copied {what} to {folder}", "success")
+    there = [*moved, *copied]
+    session.gallery.selection = tuple(map(str, there))
+    session.gallery.focus = str(there[0])
+    if any(folder.is_relative_to(shown) for shown in gallery.folders(session)):
+        gallery.look(session)
+    else:
+        gallery.include_folder(session, folder)
+
+
 def delete(session: Session) -> None:
     """Move the chosen levels to the trash."""
     chosen = gallery.chosen_cards(session)
@@ -107,7 +211,7 @@ def _deleted(session: Session, cards: list[Card]) -> Generator[None]:
             yield
     finally:
         if thrown:
-            session.gallery.thrown.append(tuple(thrown))
+            session.gallery.moved.append(tuple(thrown))
             name = cards[0].name if len(thrown) == 1 else f"{len(thrown)} levels"
             session.toast(f"Moved {name} to the trash", action="gallery.restore")
         session.gallery.selection = ()
@@ -120,29 +224,31 @@ def _deleted(session: Session, cards: list[Card]) -> Generator[None]:
 
 
 def can_restore(session: Session) -> bool:
-    """Return whether something was deleted that can come back."""
-    return bool(session.gallery.thrown)
+    """Return whether something was deleted or moved that can come back."""
+    return bool(session.gallery.moved)
 
 
 def restore(session: Session) -> None:
-    """Bring back what was deleted last; what cannot come back now waits behind all others.
+    """Bring back what was deleted or moved last; what cannot come back now waits behind all others.
 
     Raises:
         LevelError: Something cannot.
     """
     if session.gallery.work is not None:  # Before what it takes is gone from the list.
         raise CommandError(many_files.BUSY)
-    thrown = session.gallery.thrown.pop()
-    many_files.begin(session, "Bringing levels back", len(thrown), _restored(session, thrown))
+    moved = session.gallery.moved.pop()
+    many_files.begin(session, "Bringing levels back", len(moved), _restored(session, moved))
 
 
-def _restored(session: Session, thrown: tuple[Trashed, ...]) -> Generator[None]:
+def _restored(session: Session, moved: tuple[MovedFile, ...]) -> Generator[None]:
     back, reason = [], None
-    waiting = dict.fromkeys(thrown)
+    waiting = dict.fromkeys(moved)
     try:
-        for one in thrown:
+        for one in moved:
             try:
+                document = _open_document(session, one.file)
                 filing.bring_back(one)
+                _follow(session, document, one.file, one.origin)
                 back.append(one)
                 del waiting[one]
             except LevelError as error:
@@ -154,7 +260,7 @@ def _restored(session: Session, thrown: tuple[Trashed, ...]) -> Generator[None]:
             if weight is not None:
                 session.gallery.tray[str(one.origin)] = weight
         if waiting:
-            session.gallery.thrown.insert(0, tuple(waiting))
+            session.gallery.moved.insert(0, tuple(waiting))
         session.gallery.selection = tuple(str(one.origin) for one in back)
         gallery.look(session)
     if reason is not None:

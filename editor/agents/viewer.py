@@ -9,7 +9,7 @@ from editor.agents.evaluation_form import EvaluationForm
 from editor.agents.reasons import Reasons
 from editor.agents.run_watch import RunWatch
 from editor.agents.ways import Ways
-from editor.gallery.filing import Trashed
+from editor.gallery.filing import MovedFile
 from editor.play.second_player import Follower
 from editor.play.simulator import Simulator
 from editor.worker.jobs import Job, Worker
@@ -64,7 +64,7 @@ class Viewer:
         self.ways_pending = False
         self.contenders: tuple[AgentSummary, ...] = ()
         """Agents that are evaluated besides those of the slots."""
-        self.deleted: list[Trashed] = []
+        self.deleted: list[MovedFile] = []
         """Agents that were trained here and are in the trash now, the last one last."""
         self.guest: Guest | None = None
         """The attempt of an evaluation that is on show; None: none is."""

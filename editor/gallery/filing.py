@@ -1,4 +1,4 @@
-"""Level files of the gallery: rename, duplicate, throw away, bring back."""
+"""Level files of the gallery: rename, duplicate, move, throw away, bring back."""
 
 import dataclasses
 import datetime
@@ -110,17 +110,52 @@ def duplicate(path: Path) -> Path:
     return target
 
 
+def copy_into(path: Path, folder: Path) -> Path:
+    """A copy of a level file in another folder, which is made where it is not there.
+
+    Returns:
+        The copy's path: with a number when something of this name is there already.
+
+    Raises:
+        LevelError: The file cannot be read or the copy not be written.
+    """
+    target = free_path(folder / path.name)
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        shutil.copyfile(path, target)
+    except OSError as error:
+        raise LevelError(f"{path}: cannot be copied to {folder}: {_reason(error)}") from error
+    return target
+
+
 @dataclasses.dataclass(frozen=True, kw_only=True)
-class Trashed:
-    """A file in the trash, and where it was."""
+class MovedFile:
+    """A file in the trash or in another folder, and where it was."""
 
     origin: Path
     file: Path
-    note: Path | None
+    note: Path | None = None
     """The trash's own record of the origin, where the system has such."""
 
 
-def throw_away(path: Path) -> Trashed:
+def move_into(path: Path, folder: Path) -> MovedFile:
+    """Move a level file to another folder, which is made where it is not there.
+
+    When something of this name is there already the file gets a number.
+
+    Raises:
+        LevelError: It cannot be moved; it stays where it is.
+    """
+    target = free_path(folder / path.name)
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        _carry(path, target)
+    except OSError as error:
+        raise LevelError(f"{path}: cannot be moved to {folder}: {_reason(error)}") from error
+    return MovedFile(origin=path, file=target)
+
+
+def throw_away(path: Path) -> MovedFile:
     """Move a file to the system's trash.
 
     Source: the Trash specification of freedesktop.org, version 1.0 (the home trash).
@@ -141,7 +176,7 @@ def throw_away(path: Path) -> Trashed:
         _move(path, target, note)
     except OSError as error:
         raise LevelError(f"{path}: cannot be deleted: {_reason(error)}") from error
-    return Trashed(origin=path, file=target, note=note)
+    return MovedFile(origin=path, file=target, note=note)
 
 
 def _move(path: Path, target: Path, note: Path | None) -> None:
@@ -178,7 +213,7 @@ def _carry(path: Path, target: Path) -> None:
         raise
 
 
-def bring_back(thrown: Trashed) -> None:
+def bring_back(thrown: MovedFile) -> None:
     """Put a file back to where it was.
 
     Raises:

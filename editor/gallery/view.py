@@ -6,7 +6,7 @@ from pathlib import Path
 
 from editor.gallery.card import Card
 from editor.gallery.export import SetPlan
-from editor.gallery.filing import Trashed
+from editor.gallery.filing import MovedFile
 from editor.gallery.library import Library
 from editor.gallery.results import Results
 from editor.gallery.search import Wish, wanted
@@ -56,9 +56,9 @@ class GalleryView:
     exporting: Path | None = None
     """The set that is being written in the background."""
     work: FileWork | None = None
-    """The copying or deleting that is under way, while it takes more than a frame."""
-    thrown: list[tuple[Trashed, ...]] = dataclasses.field(default_factory=list)
-    """Deleted files, the last deletion at the end, to bring them back."""
+    """The copying, moving or deleting that is under way, while it takes more than a frame."""
+    moved: list[tuple[MovedFile, ...]] = dataclasses.field(default_factory=list)
+    """Files that were deleted or moved, the last ones at the end, to bring them back."""
     thrown_weights: dict[Path, float] = dataclasses.field(default_factory=dict)
     """Weights in the set of deleted files, by where they were."""
     _shown: tuple[tuple[object, ...], list[Card]] | None = None

@@ -29,7 +29,7 @@ from editor.documents.old_names import OldNames
 from editor.editing.snapping import CATCH_PIXELS, RELEASE_PIXELS, Rules, Targets, targets
 from editor.editing.tools import TOOLS
 from editor.editing.tools.base import NOTHING, Driver, Tool
-from editor.gallery.filing import Trashed
+from editor.gallery.filing import MovedFile
 from editor.gallery.kept_set import KeptSet
 from editor.gallery.library import Library
 from editor.gallery.results import Results
@@ -136,7 +136,7 @@ class Session:
         """The last episode that ended."""
         self.films = Films()
         """Films that are not in their files yet."""
-        self.discarded: tuple[Trashed, ...] = ()
+        self.discarded: tuple[MovedFile, ...] = ()
         """Copies of unsaved work that were discarded last, in the trash."""
         self.screenshot: Path | None = None
         """File for the host to save a picture of the window in; it clears this when done."""

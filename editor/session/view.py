@@ -20,8 +20,6 @@ class View:
     """Id of a panel to bring to the front; the window clears it."""
     field: str = ""
     """Name of a field to type into (`level.gravity.1`); the panel that has it clears it."""
-    levels_to_measure: str = ""
-    """Levels for the Evaluate panel to choose (`chosen`: the gallery's); the panel clears it."""
     menu: bool = False
     """True if the first menu is to open; the menu bar clears it."""
     palette: bool = False

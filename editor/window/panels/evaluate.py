@@ -101,9 +101,6 @@ class EvaluatePanel(Panel):
     def _fields(self, session: "Session") -> None:
         """Draw what is played, who plays, how often: a line each where there is room."""
         form = session.viewer.form
-        if session.view.levels_to_measure:
-            self._choose_source(session, session.view.levels_to_measure)
-            session.view.levels_to_measure = ""
         imgui.set_next_item_width(px(210))
         picked = widgets.choice(session, "evaluate.source", form.source, _SOURCES)
         if picked is not None:

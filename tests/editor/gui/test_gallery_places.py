@@ -82,3 +82,33 @@ def test_a_folder_below_another_one_has_two_lines_and_both_can_be_clicked(galler
 
 def test_no_message_for_programmers_is_on_the_screen(gui):
     assert not imgui.get_io().config_debug_highlight_id_conflicts
+
+
+def test_a_card_is_dragged_onto_a_folder_which_it_goes_to(gallery, mine):
+    with_inner(gallery, mine)
+    gallery.click("gallery.folder.all")
+    settle(gallery)
+    x, y = gallery.probe("gallery.card.rocket").centre
+    to = gallery.probe("gallery.folder.in").centre
+    gallery.move(x, y)
+    gallery.button(x, y, pressed=True)
+    for k in range(1, 9):
+        gallery.move(x + (to[0] - x) * k / 8, y + (to[1] - y) * k / 8)
+    gallery.button(*to, pressed=False)
+    settle(gallery)
+    assert (mine / "in" / "rocket.json").exists() and not (mine / "rocket.json").exists()
+    gallery.key("ctrl+z")
+    settle(gallery)
+    assert (mine / "rocket.json").exists()
+
+
+def test_the_menu_of_a_folder_takes_all_its_levels_into_the_set(gallery, mine):
+    with_inner(gallery, mine)
+    gallery.text("rocket")
+    gallery.frames(3)
+    x, y = gallery.probe("gallery.folder.in").centre
+    gallery.click_at(x, y, button=3)
+    gallery.frames(3)
+    gallery.click("gallery.place.gallery.add_to_set")
+    settle(gallery)
+    assert list(gallery.session.gallery.tray) == [str(mine / "in" / "inner.json")]

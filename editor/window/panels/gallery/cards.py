@@ -14,6 +14,7 @@ from editor.toolkit.appearance import COLOURS, SMALL, Icons, Rgba, alpha, u32
 from editor.toolkit.textures import TextureStore
 from editor.toolkit.thumbnails import Thumbs
 from editor.toolkit.widgets import px
+from editor.window.panels.gallery import dragging
 from editor.window.panels.gallery.head import SIZE_LABELS
 from editor.window.panels.menu import item
 from kinetix.wording import plural
@@ -25,8 +26,6 @@ _SIDE: Final = 148.0
 """Least width and height of a thumbnail [px at 100 %]; it grows until the row is full."""
 _CAPTION: Final = 44.0
 _PAD: Final = 7.0
-PAYLOAD: Final = "level"
-"""Payload of dragged cards."""
 
 
 class CardGrid:
@@ -110,7 +109,7 @@ class CardGrid:
             gallery.selection = (card.path,)
             session.queue("gallery.open")
         self._menu(session, card)
-        self._drag(session, card)
+        dragging.take_up(session, card)
         draw = imgui.get_window_draw_list()
         low, high = (at.x, at.y), (at.x + size[0], at.y + size[1])
         if chosen or hovered:
@@ -173,22 +172,9 @@ class CardGrid:
         imgui.separator()
         item(session, "gallery.add_to_set")
         imgui.separator()
-        for action_id in ("gallery.rename", "gallery.duplicate", "gallery.delete"):
-            item(session, action_id)
+        for action_id in ("rename", "duplicate", "move_to", "delete"):
+            item(session, f"gallery.{action_id}")
         imgui.end_popup()
-
-    def _drag(self, session: "Session", card: Card) -> None:
-        """Let the card, or all that are chosen with it, be dragged into the set."""
-        if not imgui.begin_drag_drop_source():
-            return
-        gallery = session.gallery
-        if card.path not in gallery.selection:
-            gallery.selection = (card.path,)
-            gallery.focus = card.path
-        imgui.set_drag_drop_payload_py_id(PAYLOAD, 1)
-        count = len(gallery.chosen(session.library, session.results))
-        widgets.raw(card.name if count == 1 else tr(f"{count} levels"))
-        imgui.end_drag_drop_source()
 
 
 def _row_of(cards: Sequence[Card], path: str | None, columns: int) -> int:

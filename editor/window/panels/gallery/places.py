@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Final
 from imgui_bundle import imgui
 
 from editor.actions import gallery as doing
-from editor.actions import level_sets
+from editor.actions import gallery_files, level_sets
 from editor.base.language import tr
 from editor.gallery.card import Card
 from editor.gallery.named_levels import set_name
@@ -18,12 +18,19 @@ from editor.gallery.search import SIZE_ORDER, tag_counts
 from editor.toolkit import widgets
 from editor.toolkit.appearance import COLOURS, FONTS, SMALL, Icons, u32
 from editor.toolkit.widgets import px
+from editor.window.panels.gallery.dragging import let_go_here
 from kinetix.paths import levels_dir, user_levels_dir
 
 if TYPE_CHECKING:
     from editor.session import Session
 
 _TAGS: Final = 24
+_WITH_LEVELS: Final = (
+    ("Choose all its levels", ""),
+    ("Put its levels into the set", "gallery.add_to_set"),
+    ("Evaluate", "gallery.evaluate"),
+)
+"""What a folder's menu offers, and the action that does it once all its levels are chosen."""
 
 
 def draw_places(session: "Session") -> None:
@@ -52,6 +59,9 @@ def draw_places(session: "Session") -> None:
             if imgui.selectable(label, False)[0]:
                 session.queue(lambda path=path: level_sets.load_into_set(session, path))
             widgets.probe(session, f"gallery.set.{name}")
+            if imgui.begin_popup_context_item(f"set-menu-{path}"):
+                _set_menu(session, path)
+                imgui.end_popup()
             detail = tr(f"{path}. A click puts its levels into the set.")
             widgets.tooltip(path.name, detail, own=True)
     tags = tag_counts([c for c in cards if gallery.folder is None or _below(c, gallery.folder)])
@@ -91,12 +101,13 @@ def _place(
         gallery.folder = folder
     widgets.probe(session, f"gallery.folder.{folder.name if folder else 'all'}")
     if folder is not None:
+        if count is not None and let_go_here():
+            copies = imgui.get_io().key_ctrl
+            session.queue(lambda: gallery_files.put_into(session, folder, copies=copies))
         gone = "" if count is not None else f"\n{tr('It cannot be reached now.')}"
         widgets.tooltip(label, f"{folder}{gone}")
-        added = str(folder) in session.settings.gallery_folders
-        if added and imgui.begin_popup_context_item(f"place-menu-{place}"):
-            if imgui.menu_item_simple(tr("Show it no more")):
-                session.queue(lambda: doing.remove_folder(session, folder))
+        if imgui.begin_popup_context_item(f"place-menu-{place}"):
+            _folder_menu(session, folder, levels=bool(count))
             imgui.end_popup()
     draw = imgui.get_window_draw_list()
     top = start.y + px(4)
@@ -109,6 +120,28 @@ def _place(
     words = "–" if count is None else str(count)
     right = start.x + width - px(8) - imgui.calc_text_size(words).x
     draw.add_text((right, top), u32(COLOURS.faint), words)
+
+
+def _folder_menu(session: "Session", folder: Path, *, levels: bool) -> None:
+    """What can be done with a folder, and with its levels if it has some."""
+    for label, action_id in _WITH_LEVELS:
+        if imgui.menu_item_simple(tr(label), enabled=levels):
+            session.queue(lambda: doing.choose_folder(session, folder))
+            if action_id:
+                session.queue(action_id)
+        widgets.probe(session, f"gallery.place.{action_id}")
+    if str(folder) in session.settings.gallery_folders:
+        imgui.separator()
+        if imgui.menu_item_simple(tr("Show it no more")):
+            session.queue(lambda: doing.remove_folder(session, folder))
+
+
+def _set_menu(session: "Session", path: Path) -> None:
+    """What can be done with a level set."""
+    if imgui.menu_item_simple(tr("Put its levels into the set")):
+        session.queue(lambda: level_sets.load_into_set(session, path))
+    if imgui.menu_item_simple(tr("Evaluate")):
+        session.queue(lambda: doing.evaluate_set(session, path))
 
 
 def _tags(session: "Session", tags: Sequence[tuple[str, int]]) -> None:

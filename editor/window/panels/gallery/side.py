@@ -14,7 +14,7 @@ from editor.toolkit.appearance import COLOURS, FONTS, SMALL, Icons
 from editor.toolkit.widgets import px
 from editor.window.browser import peek, thumbnail
 from editor.window.hints import key_of
-from editor.window.panels.gallery.cards import PAYLOAD
+from editor.window.panels.gallery import dragging
 from editor.window.panels.gallery.tray import SetTray
 from kinetix.wording import plural
 
@@ -38,8 +38,8 @@ class Side:
         """Draw the selection, and the set being assembled."""
         with widgets.coloured(tab=COLOURS.surface, tab_selected=COLOURS.field):
             self._tabs(session)
-        if imgui.get_drag_drop_payload_py_id() is not None:
-            self._whole_side_takes(session)
+        if dragging.dragging() and dragging.let_go_in_window():
+            session.queue("gallery.add_to_set")
 
     def _tabs(self, session: "Session") -> None:
         gallery = session.gallery
@@ -52,26 +52,12 @@ class Side:
             count = f" ({len(gallery.tray)})" if gallery.tray else ""
             opened = imgui.begin_tab_item(f"{Icons.reorder}  {tr('Set')}{count}###set")[0]
             widgets.probe(session, "gallery.tab.set")
-            if imgui.begin_drag_drop_target():
-                self._drop(session)
-                imgui.end_drag_drop_target()
+            if dragging.let_go_here():
+                session.queue("gallery.add_to_set")
             if opened:
                 self._tray.draw(session)
                 imgui.end_tab_item()
             imgui.end_tab_bar()
-
-    def _whole_side_takes(self, session: "Session") -> None:
-        """While a card is dragged the whole side is where it can be dropped."""
-        low = imgui.get_window_pos()
-        size = imgui.get_window_size()
-        rect = imgui.internal.ImRect((low.x, low.y), (low.x + size.x, low.y + size.y))
-        if imgui.internal.begin_drag_drop_target_custom(rect, imgui.get_id("side-target")):
-            self._drop(session)
-            imgui.end_drag_drop_target()
-
-    def _drop(self, session: "Session") -> None:
-        if imgui.accept_drag_drop_payload_py_id(PAYLOAD) is not None:
-            session.queue("gallery.add_to_set")
 
     def _details(self, session: "Session") -> None:
         chosen = session.gallery.chosen(session.library, session.results)
@@ -93,6 +79,7 @@ class Side:
             ("gallery.add_to_set", "Add to the set", Icons.reorder),
             ("gallery.rename", "Rename…", Icons.rename),
             ("gallery.duplicate", "Duplicate", Icons.duplicate),
+            ("gallery.move_to", "Move to…", Icons.folder),
             ("gallery.delete", "Delete", Icons.trash),
         )
         for number, (action_id, label, icon) in enumerate(buttons):
