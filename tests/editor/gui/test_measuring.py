@@ -398,7 +398,7 @@ def test_what_is_chosen_in_the_gallery_is_asked_when_evaluate_is_pressed(with_ag
     while session.library.busy:
         session.library.poll()
     front(gui, "evaluate")
-    session.view.levels_to_measure = "chosen"
+    session.viewer.form.source = "chosen"
     gui.frames(3)
     gui.click("evaluate.run")
     settle(gui)
