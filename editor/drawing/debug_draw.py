@@ -14,8 +14,8 @@ from editor.toolkit import draw_list
 from editor.toolkit.appearance import COLOURS, FONTS, SMALL, Rgba, alpha, u32
 from editor.toolkit.widgets import font, px
 from editor.worker.recording import Snapshot
-from kinetix.level.graph import components, may_push
-from kinetix.level.model import BodyReference, Circle, Joint
+from kinetix.level.graph import components, may_push, pieces
+from kinetix.level.model import Circle, Joint
 
 if TYPE_CHECKING:
     from editor.session import Session
@@ -278,7 +278,7 @@ class _Pen:
 
     def groups(self) -> None:
         """Bodies that never push each other (one jointed component) get one colour."""
-        for number, group in enumerate(_components(self.where)):
+        for number, group in enumerate(pieces(self.where.level, self.where.level.joints)):
             if len(group) < 2:
                 continue
             colour = pack(_GROUPS[number % len(_GROUPS)], 0.9)
@@ -320,19 +320,3 @@ class _Pen:
                 pushes = may_push(a, b, component)
                 colour = alpha(COLOURS.good, 0.9) if pushes else COLOURS.field
                 self.draw.add_rect_filled(*box, u32(colour), px(2))
-
-
-def _components(where: Placement) -> list[list[int]]:
-    """The bodies by jointed component, without the arena's."""
-    level = where.level
-    group: dict[BodyReference, int] = {}
-    for k, body in enumerate(level.bodies):
-        group[body.id] = k
-    for joint in level.joints:
-        a = group.setdefault(joint.a, len(group))
-        b = group.setdefault(joint.b, len(group))
-        group = {key: a if value == b else value for key, value in group.items()}
-    members: dict[int, list[int]] = {}
-    for body in level.bodies:
-        members.setdefault(group[body.id], []).append(body.id)
-    return list(members.values())

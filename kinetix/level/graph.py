@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable
 
-from kinetix.level.model import Body, BodyReference, Joint
+from kinetix.level.model import Body, BodyReference, Joint, Level
 
 
 def components(joints: Iterable[Joint]) -> dict[BodyReference, BodyReference]:
@@ -23,6 +23,23 @@ def components(joints: Iterable[Joint]) -> dict[BodyReference, BodyReference]:
     for joint in joints:
         parents[root(joint.b)] = root(joint.a)
     return {reference: root(reference) for reference in tuple(parents)}
+
+
+def pieces(level: Level, joints: Iterable[Joint]) -> list[list[int]]:
+    """Sort the bodies of a level into those that hang together; a body without a joint is one.
+
+    Args:
+        level: Its bodies, without the arena's.
+        joints: By which they hang together.
+
+    Returns:
+        Ids, in the level's order.
+    """
+    component = components(joints)
+    found: dict[BodyReference, list[int]] = {}
+    for body in level.bodies:
+        found.setdefault(component.get(body.id, body.id), []).append(body.id)
+    return list(found.values())
 
 
 def may_push(

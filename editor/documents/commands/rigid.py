@@ -13,6 +13,7 @@ from kinetix.level.geometry import (
     to_local,
     to_world,
 )
+from kinetix.level.graph import pieces
 from kinetix.level.model import Body, Circle, Joint, Level, Point
 
 CENTRE_TOLERANCE = 1e-6
@@ -21,26 +22,16 @@ CENTRE_TOLERANCE = 1e-6
 
 def component(level: Level, ids: Collection[EntityId]) -> set[int]:
     """The given bodies and all that hang on them by joints; the arena joins nothing."""
-    reached = {body.id for body in level.bodies if body.id in ids}
-    grown = True
-    while grown:
-        grown = False
-        for joint in level.joints:
-            ends = {end for end in (joint.a, joint.b) if not isinstance(end, str)}
-            if ends & reached and not ends <= reached:
-                reached |= ends
-                grown = True
-    return reached
+    between = [j for j in level.joints if not (isinstance(j.a, str) or isinstance(j.b, str))]
+    found = [piece for piece in pieces(level, between) if not set(piece).isdisjoint(ids)]
+    return {each for piece in found for each in piece}
 
 
 def joined(level: Level, ids: Collection[EntityId]) -> list[set[int]]:
     """The given bodies in pieces: those that hang on one another by joints are one."""
-    inner = tuple(joint for joint in level.joints if joint.a in ids and joint.b in ids)
-    level, pieces = level.replace(joints=inner), []
-    for body in level.bodies:
-        if body.id in ids and not any(body.id in piece for piece in pieces):
-            pieces.append(component(level, (body.id,)))
-    return pieces
+    bodies = {body.id for body in level.bodies if body.id in ids}
+    inner = [joint for joint in level.joints if joint.a in bodies and joint.b in bodies]
+    return [set(piece) for piece in pieces(level, inner) if piece[0] in bodies]
 
 
 def with_bodies(level: Level, ids: Collection[EntityId], change: Callable[[Body], Body]) -> Level:

@@ -8,7 +8,8 @@ import numpy as np
 from jaxtyping import Float
 
 from kinetix.bench.motion import Motion
-from kinetix.level.geometry import arena_body, inverse_mass
+from kinetix.level.geometry import inverse_mass, referenced_body
+from kinetix.level.graph import components
 from kinetix.level.model import ARENA_NAMES, Body, BodyReference, Circle, InertiaModel, Level
 from kinetix.scenes.model import Trial
 
@@ -31,7 +32,7 @@ def scene_of(trial: Trial, *, inertia: InertiaModel | None = None) -> dict[str, 
     references = _references(level)
     index: dict[BodyReference, int] = {each: k for k, each in enumerate(references)}
     model = inertia or level.inertia_model
-    groups = _groups(level, index)
+    groups = _groups(level, references)
     return {
         "gravity": level.gravity,
         "dt": trial.dt,
@@ -41,7 +42,7 @@ def scene_of(trial: Trial, *, inertia: InertiaModel | None = None) -> dict[str, 
         "inactive": trial.inactive,
         "recorded": len(level.bodies),
         "bodies": [
-            _body(_body_of(level, reference), model, groups[k])
+            _body(referenced_body(level, reference), model, groups[k])
             for k, reference in enumerate(references)
         ],
         "joints": [
@@ -95,20 +96,11 @@ def _references(level: Level) -> list[BodyReference]:
     return [*(body.id for body in level.bodies), *arena]
 
 
-def _body_of(level: Level, reference: BodyReference) -> Body:
-    if isinstance(reference, str):
-        return arena_body(level.arena, reference)
-    return level.body(reference)
-
-
-def _groups(level: Level, index: dict[BodyReference, int]) -> list[int]:
+def _groups(level: Level, references: Sequence[BodyReference]) -> list[int]:
     """Number the jointed components from 1; 0 for bodies that stand alone."""
-    group = list(range(len(index)))
-    for joint in level.joints:
-        a, b = group[index[joint.a]], group[index[joint.b]]
-        group = [a if each == b else each for each in group]
-    joined = {index[end] for joint in level.joints for end in (joint.a, joint.b)}
-    return [each + 1 if k in joined else 0 for k, each in enumerate(group)]
+    component = components(level.joints)
+    numbers = {root: k for k, root in enumerate(dict.fromkeys(component.values()), 1)}
+    return [numbers[component[each]] if each in component else 0 for each in references]
 
 
 def _body(body: Body, model: InertiaModel, group: int) -> dict[str, Any]:
