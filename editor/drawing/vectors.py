@@ -13,8 +13,9 @@ from imgui_bundle import imgui
 
 from editor.base.camera import Camera, Point
 from editor.base.glyphs import glyph_place
+from editor.editing.picking import end_masses
 from editor.toolkit import draw_list
-from kinetix.level.geometry import ARENA_WIDTH, STANDARD_ARENA, arena_body
+from kinetix.level.geometry import ARENA_WIDTH, STANDARD_ARENA, arena_body, joint_place
 from kinetix.level.model import (
     ROLES,
     Body,
@@ -319,19 +320,9 @@ class Placement:
         return x + c * local[0] - s * local[1], y + s * local[0] + c * local[1]
 
     def joint_point(self, joint: Joint) -> Point:
-        """Return a joint's place for drawing and picking [m]: on a fixed body, else the middle."""
+        """Return the place at which a joint is drawn, by the rule of the renderer [m]."""
         points = (self.point(joint.a, joint.anchor_a), self.point(joint.b, joint.anchor_b))
-        fixed = (self.fixed(joint.a), self.fixed(joint.b))
-        if fixed[0] != fixed[1]:
-            return points[0] if fixed[0] else points[1]
-        return (points[0][0] + points[1][0]) / 2, (points[0][1] + points[1][1]) / 2
-
-    def fixed(self, reference: BodyReference) -> bool:
-        """Return whether nothing moves a body."""
-        if isinstance(reference, str):
-            return True
-        at = self.index.get(reference)
-        return at is not None and self.level.bodies[at].fixed
+        return joint_place(*points, end_masses(self.level, joint))
 
     def angle(self, reference: BodyReference) -> float:
         """Angle of a body [rad]."""

@@ -13,6 +13,8 @@ from kinetix.level.geometry import (
     circle_about_middle,
     contains,
     inside_box,
+    inverse_mass,
+    joint_place,
     rotate,
     signed_distance,
     to_world,
@@ -47,16 +49,25 @@ ROTATE_PIXELS: Final = 28.0
 
 
 def joint_position(level: Level, joint: Joint) -> Point:
-    """Return the place of a joint: its anchor on the body that is fixed, else the mean of both [m].
+    """Return the place at which a joint is drawn, by the rule of the renderer [m].
 
     Raises:
         KeyError: A body is missing.
     """
-    a, b = _end(level, joint.a), _end(level, joint.b)
-    on_a, on_b = to_world(a, joint.anchor_a), to_world(b, joint.anchor_b)
-    if a.fixed != b.fixed:
-        return on_a if a.fixed else on_b
-    return (on_a[0] + on_b[0]) / 2, (on_a[1] + on_b[1]) / 2
+    on_a = to_world(_end(level, joint.a), joint.anchor_a)
+    on_b = to_world(_end(level, joint.b), joint.anchor_b)
+    return joint_place(on_a, on_b, end_masses(level, joint))
+
+
+def end_masses(level: Level, joint: Joint) -> tuple[float, float]:
+    """Inverse masses of the bodies of a joint [1/kg]; 0 of one that is fixed or missing."""
+    masses = _inverse_masses(level)
+    return masses.get(joint.a, 0.0), masses.get(joint.b, 0.0)
+
+
+@remembers(4)
+def _inverse_masses(level: Level) -> Mapping[BodyReference, float]:
+    return {body.id: inverse_mass(body, level.inertia_model)[0] for body in level.bodies}
 
 
 def _end(level: Level, reference: BodyReference) -> Body:

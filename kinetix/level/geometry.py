@@ -128,6 +128,20 @@ def relative_angle(level: Level, joint: Joint) -> float:
     return referenced_body(level, joint.b).angle - referenced_body(level, joint.a).angle
 
 
+def joint_place(on_a: Point, on_b: Point, inverse_masses: tuple[float, float]) -> Point:
+    """Return where a joint is drawn [m]: on a body that is fixed, else between its two anchors.
+
+    Args:
+        on_a: Its anchor on body a, in the world [m].
+        on_b: Likewise on body b.
+        inverse_masses: Of a and b [1/kg]: they weight the mean; 0 for a fixed body.
+    """
+    a, b = inverse_masses
+    if a == 0 or b == 0:
+        return on_a if a == 0 else on_b
+    return (a * on_a[0] + b * on_b[0]) / (a + b), (a * on_a[1] + b * on_b[1]) / (a + b)
+
+
 def signed_area(vertices: Points) -> float:
     """Area [m²], positive when the corners run counter-clockwise."""
     return sum(cross(vertices[k - 1], vertices[k]) for k in range(len(vertices))) / 2

@@ -13,6 +13,7 @@ from kinetix.errors import LevelError
 from kinetix.level.geometry import (
     arena_bodies,
     inverse_mass,
+    joint_place,
     reverse_winding,
     rotate,
 )
@@ -59,17 +60,9 @@ JointEnd = tuple[KinetixBody, tuple[float, float], float]
 def joint_position(a: JointEnd, b: JointEnd) -> tuple[float, float]:
     """World place of a joint: a fixed body's anchor counts, else the inverse-mass weighted mean."""
     (body_a, local_a, weight_a), (body_b, local_b, weight_b) = a, b
-    place_a, place_b = world_anchor(body_a, local_a), world_anchor(body_b, local_b)
-    if weight_a == 0:
-        return place_a
-    if weight_b == 0:
-        return place_b
-    total = weight_a + weight_b
-    x, y = (
-        round_real((weight_a * p + weight_b * q) / total)
-        for p, q in zip(place_a, place_b, strict=True)
-    )
-    return x, y
+    places = world_anchor(body_a, local_a), world_anchor(body_b, local_b)
+    x, y = joint_place(*places, (weight_a, weight_b))
+    return round_real(x), round_real(y)
 
 
 def dump_tree(tree: Any) -> str:

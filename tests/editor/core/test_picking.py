@@ -3,6 +3,9 @@
 import math
 import random
 
+import pytest
+
+from editor.drawing.vectors import Placement, poses_of
 from editor.editing.picking import (
     JOINT_RADIUS,
     THRUSTER_RADIUS,
@@ -116,6 +119,16 @@ def test_a_joint_whose_body_is_gone_is_passed_over():
     level = a_level().replace(bodies=a_level().bodies[1:])
     assert stack(level, (2.2, 2.0), 0.08) == (2,)
     assert inside(level, (0, 0, 5, 5), touching=False) == (2, 3, 4)
+
+
+def test_an_open_joint_is_where_the_renderer_draws_it():
+    small, large = (Body(id=k, shape=Circle(radius=0.1 * k), position=(k, 2.0)) for k in (1, 2))
+    joint = Joint(id=3, kind="fixed", a=1, b=2, anchor_a=(0.1, 0.0), anchor_b=(-0.1, 0.0))
+    level = Level(name="x", bodies=(small, large), joints=(joint,))
+    # Of the masses 1 and 4 the lighter one counts four times: 1.1 + 0.8 / 5.
+    assert joint_position(level, joint) == pytest.approx((1.26, 2.0))
+    drawn = Placement(level=level, poses=poses_of(level)).joint_point(joint)
+    assert drawn == pytest.approx((1.26, 2.0))
 
 
 def test_handles_have_no_place_without_bodies():
