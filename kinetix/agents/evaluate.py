@@ -329,9 +329,7 @@ def capacity_and_key(source: str | Level | LoadedLevel | EnvState) -> tuple[Capa
     if isinstance(source, Level):
         return capacity_of(source), int(level_hash(source)[:8], 16)
     document = source if isinstance(source, LoadedLevel) else load_document(source)
-    level = document.level
-    capacity = document.source.capacity if document.source is not None else capacity_of(level)
-    return capacity, int(level_hash(level)[:8], 16)
+    return document.capacity, int(level_hash(document.level)[:8], 16)
 
 
 def _prepare_all(

@@ -29,7 +29,8 @@ from kinetix.environment.spaces import ActionType, Dict, ObservationType
 from kinetix.environment.state import EnvState, stack_states
 from kinetix.errors import KinetixError
 from kinetix.level.codec import load_document
-from kinetix.level.sizes import capacity_of, parse_capacity
+from kinetix.level.sets import level_files
+from kinetix.level.sizes import parse_capacity
 from kinetix.paths import levels_dir
 
 RUNS: Final = 5
@@ -104,7 +105,7 @@ def measure_speed(settings: SpeedSettings) -> Iterator[dict[str, Any]]:
         )
     folder = settings.levels or levels_dir()
     for size in settings.sizes:
-        files = level_files(folder, parse_capacity(size))
+        files = levels_of(folder, parse_capacity(size))
         if not files:
             raise KinetixError(f"{folder}: there is no level of size {size}")
         for batch in settings.batches:
@@ -125,17 +126,9 @@ def measure_speed(settings: SpeedSettings) -> Iterator[dict[str, Any]]:
             }
 
 
-def level_files(folder: Path, capacity: Capacity) -> list[Path]:
+def levels_of(folder: Path, capacity: Capacity) -> list[Path]:
     """The levels below a folder that have a capacity, level sets left out."""
-    found = []
-    for file in sorted(folder.rglob("*.json")):
-        if file.parent.name == "sets":
-            continue
-        document = load_document(file)
-        own = document.source.capacity if document.source else capacity_of(document.level)
-        if own == capacity:
-            found.append(file)
-    return found
+    return [file for file in level_files(folder) if load_document(file).capacity == capacity]
 
 
 def _rates(

@@ -105,11 +105,8 @@ def _alone(command: Play, player: "Player", document: "LoadedLevel") -> "Episode
     from kinetix.agents.environments import capacity_for, environment_for
     from kinetix.environment.episode import play_episode
     from kinetix.environment.reset import level_state
-    from kinetix.level.sizes import capacity_of
 
-    source = document.source
-    capacity = capacity_of(document.level) if source is None else source.capacity
-    capacity = capacity_for(player.card, capacity, level=document.level.name)
+    capacity = capacity_for(player.card, document.capacity, level=document.level.name)
     physics = command.physics or player.card.environment.physics
     env = environment_for(player, capacity, physics=physics)
     return play_episode(

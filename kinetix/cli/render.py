@@ -165,11 +165,10 @@ def _showing(command: Render, agent: str) -> Showing:
     from kinetix.environment.reset import level_state
     from kinetix.environment.state import document_slots
     from kinetix.level.codec import load_document
-    from kinetix.level.sizes import capacity_of
     from kinetix.pages.facts import draws_of, facts_of
 
     document = load_document(command.level)
-    source, solution = document.source, document.level.solution
+    solution = document.level.solution
     recorded: dict[str, Any] | None = None
     player: Player
     if agent == SOLUTION:
@@ -180,8 +179,7 @@ def _showing(command: Render, agent: str) -> Showing:
     else:
         player = load_player(agent)
         own = player.card.environment.physics
-    capacity = capacity_of(document.level) if source is None else source.capacity
-    capacity = capacity_for(player.card, capacity, level=document.level.name)
+    capacity = capacity_for(player.card, document.capacity, level=document.level.name)
     physics = command.physics or own
     env = environment_for(player, capacity, physics=physics)
     environment = player.card.environment

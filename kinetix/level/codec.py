@@ -11,6 +11,7 @@ from typing import Any, Final, Literal
 import msgspec
 
 from kinetix.bundled import level_hint, named_levels, refuse_empty, without_permutation
+from kinetix.engine.spec import Capacity
 from kinetix.errors import LevelError
 from kinetix.files.atomic import write_atomically
 from kinetix.files.limits import LIMITS, MIB
@@ -31,6 +32,7 @@ from kinetix.level.kinetix_env_import import to_level
 from kinetix.level.migrations import migrate
 from kinetix.level.model import Level, Record
 from kinetix.level.schema import check_tree
+from kinetix.level.sizes import capacity_of
 
 LevelFormat = Literal["kinetix-level", "kinetix-env"]
 LEVELSET_FORMAT: Final = "kinetix-levelset"
@@ -51,6 +53,11 @@ class LoadedLevel:
     """kinetix-env's file as it is, slots and leftovers included; None for a native file."""
     path: Path | None = None
     """Path from which it was read."""
+
+    @property
+    def capacity(self) -> Capacity:
+        """Sizes of the level: those of kinetix-env's file, or the smallest that hold it."""
+        return self.source.capacity if self.source else capacity_of(self.level)
 
     @property
     def warnings(self) -> tuple[str, ...]:

@@ -9,7 +9,7 @@ from typing import Any
 
 from loop import arguments, loop_of, measure, on_processor, report, started
 
-from kinetix.bench.speed import level_files
+from kinetix.bench.speed import levels_of
 from kinetix.environment.env import make_kinetix_env
 from kinetix.environment.params import EnvParams, static_env_params_from_size
 from kinetix.environment.reset import level_state
@@ -21,7 +21,7 @@ def environment(size: str, observation: str, physics: str) -> tuple[Any, Any, li
     """(the environment, its parameters, states of the bundled levels)."""
     static = static_env_params_from_size(size, physics=physics, frame_skip=2)
     with on_processor():
-        files = level_files(levels_dir(), parse_capacity(size))
+        files = levels_of(levels_dir(), parse_capacity(size))
         states = [level_state(file, static) for file in files]
     return make_kinetix_env("multi_discrete", observation, None, EnvParams(), static), None, states
 

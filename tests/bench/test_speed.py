@@ -1,11 +1,14 @@
 """Levels are timed with the step of their size, and with one that is compiled for them alone."""
 
 import shutil
+from pathlib import Path
 
 import pytest
 
 from kinetix.bench import speed
-from kinetix.bench.speed import SpeedSettings, measure_speed
+from kinetix.bench.speed import SpeedSettings, levels_of, measure_speed
+from kinetix.level.sets import build_set, gather_levels, save_set
+from kinetix.level.sizes import parse_capacity
 from kinetix.paths import levels_dir
 
 
@@ -37,3 +40,11 @@ def test_a_world_alone_is_timed_on_each_level(tmp_path, monkeypatch):
     rows = list(measure_speed(settings))
     assert timed[::2] == timed[1::2] == [[1] * 3, [2] * 2, [4]]
     assert [row["levels"] for row in rows] == [3, 3, 3]
+
+
+def test_a_level_set_in_the_folder_is_left_out(tmp_path):
+    level = Path(shutil.copy(levels_dir() / "s/first_flight.json", tmp_path))
+    save_set(
+        build_set(gather_levels([tmp_path]), name="all", folder=tmp_path), tmp_path / "all.json"
+    )
+    assert levels_of(tmp_path, parse_capacity("s")) == [level]

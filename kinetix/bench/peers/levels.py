@@ -11,7 +11,7 @@ from kinetix.bench.peers.catalogue import KINETIX_ENV, NATIVE
 from kinetix.bench.peers.exchange import scene_of
 from kinetix.bench.peers.launch import Peer, ask
 from kinetix.bench.processes import host_devices, measured_apart
-from kinetix.bench.speed import level_files
+from kinetix.bench.speed import levels_of
 from kinetix.errors import KinetixError
 from kinetix.level.codec import load_level, save_level
 from kinetix.level.sizes import parse_capacity
@@ -51,7 +51,7 @@ def measure_levels(settings: LevelSettings) -> Iterator[dict[str, Any]]:
     """
     folder = settings.levels or levels_dir()
     for size in settings.sizes:
-        files = level_files(folder, parse_capacity(size))
+        files = levels_of(folder, parse_capacity(size))
         if not files:
             raise KinetixError(f"{folder}: there is no level of size {size}")
         for what, batch in (("env", settings.batch), ("engine", settings.batch), ("engine", 1)):

@@ -3,6 +3,8 @@
 import os
 from pathlib import Path
 
+from kinetix.files.names import is_text
+
 
 def within_reach(path: str) -> bool:
     """Return whether a set may name a file by this path: relative, and at most one folder up.
@@ -23,15 +25,6 @@ def path_in_set(path: Path, folder: Path) -> str | None:
     """
     name = relative_path(path, folder)
     return name if within_reach(name) and is_text(name) else None
-
-
-def is_text(name: str) -> bool:
-    """Return whether a name can be written as UTF-8, which file systems do not ask for."""
-    try:
-        name.encode()
-    except UnicodeEncodeError:
-        return False
-    return True
 
 
 def relative_path(path: Path, folder: Path) -> str:
