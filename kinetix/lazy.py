@@ -12,15 +12,20 @@ Lookup = tuple[Callable[[str], Any], Callable[[], list[str]]]
 
 
 def lazy_names(
-    module: str, home: Mapping[str, str] | None = None, submodules: Iterable[str] = ()
+    module: str,
+    home: Mapping[str, str] | None = None,
+    submodules: Iterable[str] = (),
+    *,
+    kinetix_env: bool = True,
 ) -> Lookup:
     """Return `__getattr__` and `__dir__` for a module whose names live elsewhere.
 
     Args:
         module: Name of the module that calls this.
-        home: The module that defines each name. Names of kinetix-env that the module does not have
-            itself are found as well (`kinetix.compat`).
+        home: The module that defines each name.
         submodules: Modules of the package that are found as its attributes.
+        kinetix_env: Whether names of kinetix-env that the module does not have itself are found as
+            well (`kinetix.compat`).
     """
     homes, submodules = dict(home or {}), frozenset(submodules)
 
@@ -29,7 +34,7 @@ def lazy_names(
             return getattr(importlib.import_module(homes[name]), name)
         if name in submodules:
             return importlib.import_module(f"{module}.{name}")
-        if not name.startswith("__"):
+        if kinetix_env and not name.startswith("__"):
             of_kinetix_env = importlib.import_module("kinetix.compat.names")
             if name in of_kinetix_env.MODULES.get(module, ()):
                 return of_kinetix_env.find(module, name)

@@ -3,8 +3,9 @@
 Names are imported on first use: `spec` and `pairs` are used by code that must not load JAX.
 """
 
-import importlib
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
+
+from kinetix.lazy import lazy_names
 
 if TYPE_CHECKING:
     from kinetix.engine.pipeline import step
@@ -23,23 +24,23 @@ if TYPE_CHECKING:
     )
 
 _HOME = {
-    "PRESETS": "presets",
-    "SOLVERS": "solvers",
-    "AbstractSolver": "solvers",
-    "Bodies": "types",
-    "Capacity": "spec",
-    "Control": "types",
-    "Features": "spec",
-    "Joints": "types",
-    "Parameters": "types",
-    "SceneSpec": "spec",
-    "State": "types",
-    "Thrusters": "types",
-    "Used": "spec",
-    "World": "types",
-    "default_parameters": "types",
-    "solver_named": "presets",
-    "step": "pipeline",
+    "PRESETS": "kinetix.engine.presets",
+    "SOLVERS": "kinetix.engine.solvers",
+    "AbstractSolver": "kinetix.engine.solvers",
+    "Bodies": "kinetix.engine.types",
+    "Capacity": "kinetix.engine.spec",
+    "Control": "kinetix.engine.types",
+    "Features": "kinetix.engine.spec",
+    "Joints": "kinetix.engine.types",
+    "Parameters": "kinetix.engine.types",
+    "SceneSpec": "kinetix.engine.spec",
+    "State": "kinetix.engine.types",
+    "Thrusters": "kinetix.engine.types",
+    "Used": "kinetix.engine.spec",
+    "World": "kinetix.engine.types",
+    "default_parameters": "kinetix.engine.types",
+    "solver_named": "kinetix.engine.presets",
+    "step": "kinetix.engine.pipeline",
 }
 
 __all__ = [
@@ -62,9 +63,4 @@ __all__ = [
     "step",
 ]
 
-
-def __getattr__(name: str) -> Any:
-    """Import a public name on first use."""
-    if name not in _HOME:
-        raise AttributeError(f"module 'kinetix.engine' has no attribute {name!r}")
-    return getattr(importlib.import_module(f"kinetix.engine.{_HOME[name]}"), name)
+__getattr__, __dir__ = lazy_names(__name__, _HOME, kinetix_env=False)

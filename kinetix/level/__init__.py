@@ -3,8 +3,9 @@
 Names are imported on first use; only `compile` knows JAX.
 """
 
-import importlib
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
+
+from kinetix.lazy import lazy_names
 
 if TYPE_CHECKING:
     from kinetix.level.model import (
@@ -41,9 +42,6 @@ __all__ = [
     "Thruster",
 ]
 
-
-def __getattr__(name: str) -> Any:
-    """Import a public name on first use."""
-    if name not in __all__:
-        raise AttributeError(f"module 'kinetix.level' has no attribute {name!r}")
-    return getattr(importlib.import_module("kinetix.level.model"), name)
+__getattr__, __dir__ = lazy_names(
+    __name__, dict.fromkeys(__all__, "kinetix.level.model"), kinetix_env=False
+)

@@ -3,26 +3,22 @@
 Names are imported on first use.
 """
 
-import importlib
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
+
+from kinetix.lazy import lazy_names
 
 if TYPE_CHECKING:
     from kinetix.scenes.catalogue import SCENES, scenes_named
     from kinetix.scenes.model import SCENE_CLASSES, SuiteScene, Trial
 
 _HOME = {
-    "SCENES": "catalogue",
-    "SCENE_CLASSES": "model",
-    "SuiteScene": "model",
-    "Trial": "model",
-    "scenes_named": "catalogue",
+    "SCENES": "kinetix.scenes.catalogue",
+    "SCENE_CLASSES": "kinetix.scenes.model",
+    "SuiteScene": "kinetix.scenes.model",
+    "Trial": "kinetix.scenes.model",
+    "scenes_named": "kinetix.scenes.catalogue",
 }
 
 __all__ = ["SCENES", "SCENE_CLASSES", "SuiteScene", "Trial", "scenes_named"]
 
-
-def __getattr__(name: str) -> Any:
-    """Import a public name on first use."""
-    if name not in _HOME:
-        raise AttributeError(f"module 'kinetix.scenes' has no attribute {name!r}")
-    return getattr(importlib.import_module(f"kinetix.scenes.{_HOME[name]}"), name)
+__getattr__, __dir__ = lazy_names(__name__, _HOME, kinetix_env=False)

@@ -3,20 +3,20 @@
 Names are imported on first use.
 """
 
-import importlib
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
+
+from kinetix.lazy import lazy_names
 
 if TYPE_CHECKING:
     from kinetix.bench.metrics.base import Judge, Metric
     from kinetix.bench.metrics.judges import JUDGES
 
-_HOME = {"JUDGES": "judges", "Judge": "base", "Metric": "base"}
+_HOME = {
+    "JUDGES": "kinetix.bench.metrics.judges",
+    "Judge": "kinetix.bench.metrics.base",
+    "Metric": "kinetix.bench.metrics.base",
+}
 
 __all__ = ["JUDGES", "Judge", "Metric"]
 
-
-def __getattr__(name: str) -> Any:
-    """Import a public name on first use."""
-    if name not in _HOME:
-        raise AttributeError(f"module 'kinetix.bench.metrics' has no attribute {name!r}")
-    return getattr(importlib.import_module(f"kinetix.bench.metrics.{_HOME[name]}"), name)
+__getattr__, __dir__ = lazy_names(__name__, _HOME, kinetix_env=False)
