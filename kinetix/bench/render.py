@@ -2,8 +2,6 @@
 
 import dataclasses
 import functools
-import statistics
-import time
 from collections.abc import Callable, Iterator
 from typing import Any, Final
 
@@ -11,6 +9,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array
 
+from kinetix.bench.timing import seconds_of, steps_per_second
 from kinetix.engine.types import State
 from kinetix.environment.params import EnvParams, StaticEnvParams, static_env_params_of
 from kinetix.environment.reset import level_state
@@ -22,10 +21,8 @@ from kinetix.render.camera import fit_arena
 from kinetix.render.pixels import make_render_pixels_rl
 from kinetix.render.scene import draw
 
-RUNS: Final = 5
-"""Timed runs a figure; the median counts."""
-MIN_SECONDS: Final = 0.3
-"""A run is made as long as this."""
+SECONDS: Final = 0.3
+"""A run is made about as long as this."""
 DRIFT: Final = 0.002
 """Shift of everything from frame to frame [m], so that every frame is a new one."""
 
@@ -115,19 +112,22 @@ def _row(
             jnp.zeros(blank.shape, blank.dtype),
         )
 
-    start = time.perf_counter()
-    jax.block_until_ready(loop(state, jnp.asarray(1)))
-    compile_s = time.perf_counter() - start
+    def rollout(frames: int) -> Array:
+        return loop(state, jnp.asarray(frames))
+
     once = jax.jit(render)
-    jax.block_until_ready(once(state))
+    calls = functools.partial(_calls, once, state)
+    compile_s = seconds_of(rollout, 1)
+    calls(1)
+    rate = functools.partial(steps_per_second, about=SECONDS, first=2)
     return {
         "renderer": renderer,
         "width": shape[0],
         "height": shape[1],
         "batch": batch,
         "size": size,
-        "frames_per_s": batch * _rate(lambda frames: loop(state, jnp.asarray(frames))),
-        "frames_per_s_calls": batch * _rate(lambda frames: _calls(once, state, frames)),
+        "frames_per_s": batch * rate(rollout),
+        "frames_per_s_calls": batch * rate(calls),
         "compile_s": compile_s,
     }
 
@@ -135,20 +135,6 @@ def _row(
 def _calls(once: Callable[[EnvState], Array], state: EnvState, frames: int) -> None:
     for _ in range(frames):
         jax.block_until_ready(once(state))
-
-
-def _rate(work: Callable[[int], Any]) -> float:
-    """Repetitions a second: the number that fills `MIN_SECONDS`, then the median of `RUNS`."""
-    frames = 2
-    while (seconds := _seconds(work, frames)) < MIN_SECONDS / 2:
-        frames = max(frames + 1, min(10 * frames, int(frames * MIN_SECONDS / seconds)))
-    return frames / statistics.median(_seconds(work, frames) for _ in range(RUNS))
-
-
-def _seconds(work: Callable[[int], Any], frames: int) -> float:
-    start = time.perf_counter()
-    jax.block_until_ready(work(frames))
-    return time.perf_counter() - start
 
 
 __all__ = ["RenderSettings", "run"]

@@ -2,8 +2,6 @@
 
 import dataclasses
 import functools
-import statistics
-import time
 from collections.abc import Callable, Iterator, Sequence
 from typing import Any, Final
 
@@ -13,14 +11,13 @@ import numpy as np
 from jaxtyping import Array
 
 from kinetix.bench.runner import compiled_trials
+from kinetix.bench.timing import seconds_of, steps_per_second
 from kinetix.engine.pipeline import step
 from kinetix.engine.solvers.base import AbstractSolver
 from kinetix.environment.devices import place, spread
 from kinetix.scenes import SCENES, Trial
 
-RUNS: Final = 5
-"""Timed runs a figure; the median counts."""
-MIN_SECONDS: Final = 0.25
+SECONDS: Final = 0.25
 """A run is made about as long as this."""
 SPEED_SCENES: Final = {
     "integrator": ("I2", 0),
@@ -83,17 +80,12 @@ def _repeated(tree: Any, *, batch: int) -> Any:
 
 
 def _timed(run: Callable[..., Any], given: Any, batch: int, devices: int) -> Rate:
-    def seconds(steps: int) -> float:
-        start = time.perf_counter()
-        jax.block_until_ready(run(given, jnp.full(devices, steps)))
-        return time.perf_counter() - start
+    def steps(count: int) -> Any:
+        return run(given, jnp.full(devices, count))
 
-    steps = 16
-    compile_s = seconds(steps)
-    while (taken := seconds(steps)) < MIN_SECONDS / 2:
-        steps = max(2 * steps, int(steps * MIN_SECONDS / taken))
-    median = statistics.median(seconds(steps) for _ in range(RUNS))
-    return Rate(steps_per_s=batch * steps / median, compile_s=compile_s, devices=devices)
+    compile_s = seconds_of(steps, 16)
+    rate = batch * steps_per_second(steps, about=SECONDS)
+    return Rate(steps_per_s=rate, compile_s=compile_s, devices=devices)
 
 
 def measure_scenes(

@@ -1,8 +1,8 @@
 """Steps per second of the engine and of the environment on hand-made levels."""
 
 import dataclasses
+import functools
 import statistics
-import time
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any, ClassVar, Final
@@ -11,6 +11,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array
 
+from kinetix.bench.timing import seconds_of, steps_per_second
 from kinetix.engine.pipeline import step as physics_step
 from kinetix.engine.spec import Capacity, Features
 from kinetix.environment.actions import MultiDiscreteActions
@@ -33,14 +34,12 @@ from kinetix.level.sets import level_files
 from kinetix.level.sizes import parse_capacity
 from kinetix.paths import levels_dir
 
-RUNS: Final = 5
-"""Timed runs a figure; the median counts."""
-MIN_SECONDS: Final = 0.5
-"""A run is made as long as this, so that the clock and the first dispatch do not matter."""
-SHORTEST_SECONDS: Final = 0.05
+SECONDS: Final = 0.5
+"""A run is made about as long as this."""
+SHORTEST_SECONDS: Final = 0.1
 """A run is no shorter than this where many levels share the time of one."""
-PROBE_STEPS: Final = 16
-"""Steps of the first run, which finds out how long a run has to be."""
+DRAWN: Final = 16
+"""Random actions a world, which are taken in turn."""
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -161,7 +160,7 @@ def _engine_loop(static: StaticEnvParams) -> Callable[..., Any]:
         drawn = jax.vmap(lambda key: _draw(actions, key))(keys)
 
         def advance(index: Array, physics: Any) -> Any:
-            chosen = jax.lax.dynamic_index_in_dim(drawn, index % PROBE_STEPS, 1, keepdims=False)
+            chosen = jax.lax.dynamic_index_in_dim(drawn, index % DRAWN, 1, keepdims=False)
             control = jax.vmap(actions.process_action)(chosen, state.labels)
             step = jax.vmap(
                 lambda world, physics, control: physics_step(
@@ -188,7 +187,7 @@ def _env_loop(static: StaticEnvParams, observation: str) -> Callable[..., Any]:
 
         def advance(index: Array, carry: Any) -> Any:
             current, _, _ = carry
-            chosen = jax.lax.dynamic_index_in_dim(drawn, index % PROBE_STEPS, 1, keepdims=False)
+            chosen = jax.lax.dynamic_index_in_dim(drawn, index % DRAWN, 1, keepdims=False)
             step = jax.vmap(env.step, in_axes=(0, 0, 0, None, 0))
             seen, current, reward, _, _ = step(keys, current, chosen, EnvParams(), state)
             return current, seen, reward
@@ -203,7 +202,7 @@ def _env_loop(static: StaticEnvParams, observation: str) -> Callable[..., Any]:
 
 def _draw(actions: Any, key: Array) -> Array:
     """Some random actions, so that drawing them is not what is timed."""
-    return jax.vmap(actions.random_action)(jax.random.split(key, PROBE_STEPS))
+    return jax.vmap(actions.random_action)(jax.random.split(key, DRAWN))
 
 
 def _devices(batch: int) -> int:
@@ -224,18 +223,10 @@ def _time(loop: Callable[..., Any], starts: Sequence[EnvState], keys: Array, bat
     else:
         compiled = jax.jit(loop)
 
-    def seconds(state: EnvState, steps: int) -> float:
-        start = time.perf_counter()
-        jax.block_until_ready(compiled(state, keys, count(steps)))
-        return time.perf_counter() - start
+    def run(steps: int, state: EnvState) -> Any:
+        return compiled(state, keys, count(steps))
 
-    compile_s = seconds(starts[0], 1)
-    least = max(MIN_SECONDS / 2 / len(starts), min(SHORTEST_SECONDS, MIN_SECONDS / 2))
-    rates = []
-    for state in starts:
-        steps = PROBE_STEPS
-        while seconds(state, steps) <= least:
-            steps *= 4
-        taken = statistics.median(seconds(state, steps) for _ in range(RUNS))
-        rates.append(batch * steps / taken)
-    return _Rate(steps_per_s=statistics.median(rates), compile_s=compile_s)
+    compile_s = seconds_of(functools.partial(run, state=starts[0]), 1)
+    about = max(SECONDS / len(starts), min(SHORTEST_SECONDS, SECONDS))
+    rates = [steps_per_second(functools.partial(run, state=each), about=about) for each in starts]
+    return _Rate(steps_per_s=batch * statistics.median(rates), compile_s=compile_s)

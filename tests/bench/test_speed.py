@@ -17,7 +17,7 @@ from kinetix.paths import levels_dir
 def test_a_level_without_limits(tmp_path, monkeypatch, specialised):
     """The step of its size has rows for limits; its own step has none, nor a memory of them."""
     shutil.copy(levels_dir() / "s/first_flight.json", tmp_path)
-    monkeypatch.setattr(speed, "MIN_SECONDS", 0.01)
+    monkeypatch.setattr(speed, "SECONDS", 0.01)
     settings = SpeedSettings(sizes=("s",), batches=(2,), levels=tmp_path, specialised=specialised)
     (row,) = measure_speed(settings)
     assert row["engine_steps_per_s"] > 0

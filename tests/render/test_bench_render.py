@@ -5,13 +5,14 @@ import json
 import pytest
 
 from kinetix.bench import render as bench
+from kinetix.bench import timing
 from kinetix.errors import KinetixError
 
 
 @pytest.mark.slow
 def test_rows(monkeypatch):
-    monkeypatch.setattr(bench, "MIN_SECONDS", 0.01)
-    monkeypatch.setattr(bench, "RUNS", 2)
+    monkeypatch.setattr(bench, "SECONDS", 0.01)
+    monkeypatch.setattr(timing, "RUNS", 2)
     rows = list(bench.run(bench.RenderSettings(size="s", batches=(2,), pictures=(64,))))
     assert [(row["renderer"], row["width"], row["batch"]) for row in rows] == [
         ("observation", 125, 2),
