@@ -13,11 +13,12 @@ from jaxtyping import Array, Float
 
 from kinetix.datasets.episode import RecordedEpisode
 from kinetix.engine.spec import Capacity
-from kinetix.environment.env import KinetixEnv, make_kinetix_env
+from kinetix.environment.env import KinetixEnv
 from kinetix.environment.outcome import OUTCOMES, Outcome, outcome_index
-from kinetix.environment.params import EnvParams, static_env_params_of
+from kinetix.environment.params import static_env_params_of
+from kinetix.environment.replay import playing_env
 from kinetix.environment.reset import level_state
-from kinetix.environment.spaces import ActionType, ObservationType
+from kinetix.environment.spaces import ActionType
 from kinetix.environment.state import EnvState
 from kinetix.errors import KinetixError
 from kinetix.level.sizes import capacity_of
@@ -117,11 +118,7 @@ def _replayed(episode: RecordedEpisode) -> ReplayedEpisode | None:
 @functools.lru_cache(maxsize=16)
 def _environment(capacity: Capacity, physics: str, frame_skip: int) -> KinetixEnv:
     static = static_env_params_of(capacity, frame_skip=frame_skip, physics=physics)
-    env = make_kinetix_env(
-        ActionType.CONTINUOUS, ObservationType.BLIND, None, EnvParams(), static, False
-    )
-    assert isinstance(env, KinetixEnv)
-    return env
+    return playing_env(static, actions=ActionType.CONTINUOUS)
 
 
 @functools.partial(jax.jit, static_argnums=0)

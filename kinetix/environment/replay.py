@@ -12,7 +12,12 @@ from kinetix.engine.presets import solver_named
 from kinetix.environment.env import KinetixEnv, make_kinetix_env
 from kinetix.environment.episode import Episode, play_episode, play_until
 from kinetix.environment.outcome import Outcome
-from kinetix.environment.params import LEVEL_FRAME_SKIP, EnvParams, static_env_params_of
+from kinetix.environment.params import (
+    LEVEL_FRAME_SKIP,
+    EnvParams,
+    StaticEnvParams,
+    static_env_params_of,
+)
 from kinetix.environment.reset import level_state
 from kinetix.environment.spaces import ActionType, ObservationType
 from kinetix.environment.state import EnvState
@@ -127,11 +132,29 @@ def state_after(
 def _stage(level: Level, physics: str, frame_skip: int) -> tuple[KinetixEnv, EnvState]:
     """The environment that all levels of the size share, and the level's first state."""
     static = static_env_params_of(capacity_of(level), frame_skip=frame_skip, physics=physics)
+    return playing_env(static), level_state(level, static)
+
+
+def playing_env(
+    static: StaticEnvParams,
+    env_params: EnvParams | None = None,
+    actions: ActionType = ActionType.MULTI_DISCRETE,
+) -> KinetixEnv:
+    """Return an environment that plays given actions: it observes nothing, and episodes end in it.
+
+    Args:
+        static: Sizes, physics and frame skip.
+        env_params: Parameters that need no compilation.
+        actions: Kind of the actions.
+
+    Raises:
+        KinetixError: The physics preset does not exist.
+    """
     env = make_kinetix_env(
-        ActionType.MULTI_DISCRETE, ObservationType.BLIND, None, EnvParams(), static, False
+        actions, ObservationType.BLIND, None, env_params, static, auto_reset=False
     )
     assert isinstance(env, KinetixEnv)
-    return env, level_state(level, static)
+    return env
 
 
 def recorded_rows(actions: Sequence[Sequence[int]]) -> dict[str, Any]:

@@ -18,13 +18,12 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
-from kinetix.environment.env import KinetixEnv, make_kinetix_env
-from kinetix.environment.params import LEVEL_FRAME_SKIP, EnvParams, static_env_params_of
+from kinetix.environment.env import KinetixEnv
+from kinetix.environment.params import LEVEL_FRAME_SKIP, static_env_params_of
 from kinetix.environment.plans import HOLD, Plans, random_plans, runs_of
 from kinetix.environment.rearrange import expand_state
-from kinetix.environment.replay import play_actions, state_after
+from kinetix.environment.replay import play_actions, playing_env, state_after
 from kinetix.environment.reset import level_state, static_env_params_for_levels
-from kinetix.environment.spaces import ActionType, ObservationType
 from kinetix.environment.state import EnvState
 from kinetix.environment.stretches import BATCH, Round, Task, steps_of, stretches
 from kinetix.level.controls import channels_in_use
@@ -185,11 +184,7 @@ def solving_env(
     capacity = common_capacity(levels)
     static = static_env_params_of(capacity, physics=physics, frame_skip=frame_skip)
     static = static_env_params_for_levels(levels, static)
-    env = make_kinetix_env(
-        ActionType.MULTI_DISCRETE, ObservationType.BLIND, None, EnvParams(), static, False
-    )
-    assert isinstance(env, KinetixEnv)
-    return env
+    return playing_env(static)
 
 
 def _whole_plans(task: Task) -> Iterator[Round]:

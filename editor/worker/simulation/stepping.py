@@ -22,10 +22,10 @@ from editor.worker.simulation import disk
 from editor.worker.simulation.compiling import FULL, QUICK, Programs, Recipe, Tier
 from editor.worker.yielding import without_pauses
 from kinetix.engine.spec import Capacity, Features
-from kinetix.environment.env import KinetixEnv, make_kinetix_env
-from kinetix.environment.params import EnvParams, StaticEnvParams, static_env_params_of
+from kinetix.environment.env import KinetixEnv
+from kinetix.environment.params import StaticEnvParams, static_env_params_of
+from kinetix.environment.replay import playing_env
 from kinetix.environment.reset import level_state
-from kinetix.environment.spaces import ActionType, ObservationType
 from kinetix.environment.state import EnvState
 from kinetix.files.caches import tidy_caches
 from kinetix.level.features import features_of
@@ -90,20 +90,7 @@ def environment(capacity: Capacity, physics: str) -> KinetixEnv:
     Raises:
         KinetixError: The preset does not exist.
     """
-    return _environment(static_params(capacity, physics))
-
-
-def _environment(static: StaticEnvParams) -> KinetixEnv:
-    env = make_kinetix_env(
-        ActionType.MULTI_DISCRETE,
-        ObservationType.BLIND,
-        None,
-        EnvParams(),
-        static,
-        auto_reset=False,
-    )
-    assert isinstance(env, KinetixEnv)
-    return env
+    return playing_env(static_params(capacity, physics))
 
 
 @functools.cache
@@ -210,7 +197,7 @@ def stepper(level: Level, key: StepKey, progress: Progress, *, background: bool 
         KinetixError: The level does not fit, or the preset does not exist.
         Cancelled: It is not wanted any more.
     """
-    env = _environment(key.static)
+    env = playing_env(key.static)
     compiled = PROGRAMS.get(key) or _loaded(level, key, progress)
     if compiled is None:
         # A function of its own, so that a step which is dropped leaves nothing behind.

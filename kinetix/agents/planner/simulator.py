@@ -3,11 +3,12 @@
 import dataclasses
 from typing import ClassVar
 
-from kinetix.environment.env import KinetixEnv, make_kinetix_env
+from kinetix.environment.env import KinetixEnv
 from kinetix.environment.observations import AbstractObservation
 from kinetix.environment.observations.features import Feature
 from kinetix.environment.params import EnvParams, StaticEnvParams
-from kinetix.environment.spaces import ActionType, Dict, ObservationType
+from kinetix.environment.replay import playing_env
+from kinetix.environment.spaces import Dict
 from kinetix.environment.state import EnvState
 from kinetix.pytree import pytree, static
 
@@ -23,16 +24,7 @@ class Simulator:
     @property
     def env(self) -> KinetixEnv:
         """Environment in which futures are played: episodes end there, and nothing is observed."""
-        env = make_kinetix_env(
-            ActionType.MULTI_DISCRETE,
-            ObservationType.BLIND,
-            None,
-            self.env_params,
-            self.static_env_params,
-            auto_reset=False,
-        )
-        assert isinstance(env, KinetixEnv)
-        return env
+        return playing_env(self.static_env_params, self.env_params)
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)

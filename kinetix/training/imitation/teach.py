@@ -18,13 +18,12 @@ from kinetix.datasets.episode import RecordedEpisode, winning_plan
 from kinetix.datasets.folder import read_manifest, writing
 from kinetix.datasets.replays import checked
 from kinetix.engine.presets import solver_named
-from kinetix.environment.env import KinetixEnv, make_kinetix_env
 from kinetix.environment.generators.documents import random_document
 from kinetix.environment.generators.filters import noop_solved
 from kinetix.environment.generators.machines import numbered_machine, random_machine
 from kinetix.environment.params import EnvParams, static_env_params_of
+from kinetix.environment.replay import playing_env
 from kinetix.environment.reset import level_state, make_reset_fn_sample_kinetix_level
-from kinetix.environment.spaces import ActionType, ObservationType
 from kinetix.environment.state import EnvState
 from kinetix.errors import KinetixError
 from kinetix.files.atomic import write_atomically
@@ -215,11 +214,7 @@ class _Search:
         self._status = status
         capacity = parse_capacity(config.size)
         static = static_env_params_of(capacity, physics=config.physics)
-        env = make_kinetix_env(
-            ActionType.MULTI_DISCRETE, ObservationType.BLIND, None, EnvParams(), static, False
-        )
-        assert isinstance(env, KinetixEnv)
-        self._env = env
+        self._env = playing_env(static)
         reset = make_reset_fn_sample_kinetix_level(EnvParams(), static)
         self._draw = jax.jit(jax.vmap(reset))
 
