@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Final
 
 from kinetix.level.codec import level_hash, load_level, save_level
-from kinetix.level.model import Level, SizeName
+from kinetix.level.model import UNSOLVED, Level, SizeName
 from kinetix.level.sets import build_set, gather_levels, level_files, save_set
 from kinetix.level.validate import validate
 from kinetix.paths import levels_dir
@@ -36,7 +36,6 @@ SIZES: Final[dict[SizeName, dict[str, Callable[[], Draft]]]] = {
         **large_walkers.LEVELS,
     },
 }
-UNSOLVED: Final = "unsolved"
 
 
 def built() -> Iterator[tuple[str, Level]]:

@@ -4,6 +4,8 @@ import dataclasses
 import math
 from typing import Final, TypeAlias
 
+from kinetix.level.geometry import ARENA_WIDTH
+
 Point: TypeAlias = tuple[float, float]
 
 PIXELS_PER_UNIT: Final = 100.0
@@ -12,7 +14,7 @@ ZOOM_MIN: Final = 0.1
 ZOOM_MAX: Final = 32.0
 ZOOM_NOTCH: Final = 1.1
 """Factor of one notch of the wheel."""
-ARENA: Final = ((0.0, 0.0), (5.0, 5.0))
+ARENA: Final = ((0.0, 0.0), (ARENA_WIDTH, ARENA_WIDTH))
 """The playable square [m]."""
 
 

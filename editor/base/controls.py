@@ -62,7 +62,8 @@ PAD_ACTIONS: Final[Mapping[str, str]] = {
 PAD_NAMES: Final = frozenset({*PAD, *PAD_ACTIONS})
 """Controls of a gamepad that mean something."""
 
-_GLYPHS: Final = {"left": "←", "right": "→", "up": "↑", "down": "↓"}
+GLYPHS: Final = {"left": "←", "right": "→", "up": "↑", "down": "↓"}
+"""Keys that have a sign instead of a letter."""
 
 
 def action_of(held: Collection[str], keys: Mapping[str, Drive] = DEFAULT_KEYS) -> tuple[int, ...]:
@@ -92,4 +93,4 @@ def channel_name(level: Level, channel: int) -> str:
 def key_caps(channel: int, keys: Mapping[str, Drive] = DEFAULT_KEYS) -> tuple[str, ...]:
     """Return the labels on the key caps of a channel, the forward key first: `("←", "→")`."""
     driving = sorted((d.value, key) for key, d in keys.items() if d.channel == channel)
-    return tuple(_GLYPHS.get(key, key.upper()) for _, key in driving)
+    return tuple(GLYPHS.get(key, key.upper()) for _, key in driving)

@@ -7,6 +7,8 @@ from typing import Final, TypeAlias
 Point: TypeAlias = tuple[float, float]
 """x, y; in metres (y up) or in window pixels (y down), as the field that holds it says."""
 
+FRAME: Final = 1 / 60
+"""Duration of a frame, of the screen and of scripts that are replayed [s]."""
 LEFT: Final = 1
 MIDDLE: Final = 2
 RIGHT: Final = 3

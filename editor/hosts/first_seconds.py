@@ -14,7 +14,8 @@ import tempfile
 import time
 from typing import Final
 
-_FRAME: Final = 1 / 60
+from editor.base.events import FRAME
+
 _LONGEST: Final = 120.0
 """The measurement ends after this, however much there is to compile [s]."""
 _LEAST: Final = 6.0
@@ -57,7 +58,7 @@ def main() -> None:
     host = OffscreenHost(session, size=(1280, 800))
     host.ui.warm_up = True
     file.open_path(session, level)
-    host.step((), _FRAME)
+    host.step((), FRAME)
     window = time.time() - started
 
     walls: list[float] = []
@@ -70,7 +71,7 @@ def main() -> None:
         host.step((), begin - last)
         last = begin
         took = time.perf_counter() - begin
-        time.sleep(max(_FRAME - took, 0))
+        time.sleep(max(FRAME - took, 0))
         return took
 
     pressed = time.perf_counter()
@@ -89,7 +90,7 @@ def main() -> None:
         episode, going = playback.episode, session.mode is Mode.PLAYING and not playback.waiting
         walls.append(frame())
         if going and playback.episode == episode:
-            simulated += (playback.engine_step - before) * _FRAME
+            simulated += (playback.engine_step - before) * FRAME
             wall += time.perf_counter() - at
         if session.mode is Mode.ENDED:
             session.queue("run.reset")

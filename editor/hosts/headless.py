@@ -9,9 +9,6 @@ from editor.hosts.base import Host
 from editor.hosts.renderer import NullRenderer
 from editor.session import Session
 
-FRAME = 1 / 60
-"""The fixed clock of tests and replays [s]."""
-
 
 class HeadlessHost(Host):
     """Runs frames on a fixed clock; what would be drawn is thrown away."""
@@ -32,7 +29,7 @@ class HeadlessHost(Host):
     def frames(self, count: int = 1, *batch: events.InputEvent) -> None:
         """Run frames; the events arrive in the first one."""
         for index in range(count):
-            self.step(batch if index == 0 else (), FRAME)
+            self.step(batch if index == 0 else (), events.FRAME)
 
     def until(self, done: Callable[[], bool], *, limit: int = 600) -> bool:
         """Run frames until something is so; returns whether it came true within the limit."""

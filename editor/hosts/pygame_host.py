@@ -47,7 +47,6 @@ _IDLE_FRAME = 2.0
 """Even then a frame is drawn this often [s]: copies are saved, files watched."""
 _COPY_FRAME = 0.5
 """The same while a change waits to be copied [s]."""
-_FRAME = 1 / 60
 _AROUND = (16, 80)
 """Width and height that window frame and task bar need on the screen [px]."""
 _SETTLE_FRAMES = 4
@@ -202,7 +201,7 @@ class PygameHost(Host):
             last = now
             self._awake -= 1
             self._follow()
-            spare = _FRAME - (time.perf_counter() - now)
+            spare = events.FRAME - (time.perf_counter() - now)
             if spare > 0.002:
                 # Where vsync does not pace the loop, the cores belong to the simulation.
                 time.sleep(spare)

@@ -15,7 +15,6 @@ from kinetix.errors import KinetixError
 from kinetix.files.atomic import write_with_backup
 from kinetix.files.regular import read_text
 
-_FRAME: Final = 1 / 60
 _LONGEST: Final = 600
 """Longest pause that is kept [frames]: nobody wants to wait for a coffee again."""
 _BUTTONS: Final = (events.LEFT, events.MIDDLE, events.RIGHT)
@@ -114,7 +113,7 @@ class Recorder:
             self._write({"do": "window", "size": size, "scale": scale})
             self._rest += 1
         lead, cost = _COSTS[event["do"]]
-        now = round(self._time / _FRAME)
+        now = round(self._time / events.FRAME)
         # What is left of the last line, and what this one takes before it happens, pass by anyway.
         pause = min(now - self._last, _LONGEST) - self._rest - lead
         if pause > 0:

@@ -16,6 +16,7 @@ from editor import actions
 from editor.actions import address, agents
 from editor.agents.viewer import SLOTS
 from editor.base import events
+from editor.base.events import FRAME
 from editor.base.settings import SCALES
 from editor.documents import files
 from editor.documents.commands.fields import SetField
@@ -26,7 +27,6 @@ from editor.hosts.base import Host
 from editor.hosts.conditions import CONDITIONS, PLAYED
 from editor.hosts.event_fields import Event
 from editor.hosts.film import Film
-from editor.hosts.headless import FRAME
 from editor.hosts.offscreen import OffscreenHost
 from editor.toolkit.keys import MODIFIERS
 from editor.toolkit.widgets import Probe

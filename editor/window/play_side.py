@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Final
 from imgui_bundle import imgui
 
 from editor.base.camera import ARENA, Point
+from editor.base.controls import GLYPHS
 from editor.base.language import tr
 from editor.play.mode import Mode
 from editor.toolkit.appearance import COLOURS, FONTS, HUGE, SMALL, TEXT, Rgba, alpha, u32
@@ -30,7 +31,6 @@ _WIDTH: Final = 250.0
 _LEAST: Final = 112.0
 """In less room it stands over the arena."""
 _EDGE: Final = 14.0
-_GLYPHS: Final = {"left": "←", "right": "→", "up": "↑", "down": "↓"}
 
 
 @dataclasses.dataclass(kw_only=True)
@@ -256,7 +256,7 @@ def _keys(session: "Session", column: _Column) -> None:
         x = column.x
         with font(FONTS.bold, SMALL - 1):
             for _, key in driving:
-                words, lit = _GLYPHS.get(key, key.upper()), key in session.hands.held
+                words, lit = GLYPHS.get(key, key.upper()), key in session.hands.held
                 extent = imgui.calc_text_size(words)
                 wide = max(extent.x + px(9), side)
                 plate = (x, column.y), (x + wide, column.y + side)

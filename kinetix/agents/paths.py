@@ -21,11 +21,10 @@ from kinetix.agents.evaluate import (
 )
 from kinetix.agents.player import Player
 from kinetix.agents.results import EpisodeResult
+from kinetix.environment.goal import GREEN
 from kinetix.environment.outcome import Outcome
 from kinetix.environment.reset import level_state
 
-GREEN = 1
-"""Number of the role."""
 _EVERY = 2
 """Environment steps between two places."""
 

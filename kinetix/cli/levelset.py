@@ -22,6 +22,7 @@ from kinetix.errors import KinetixError, LevelError
 from kinetix.files.atomic import backup_of
 from kinetix.files.folders import made_folder
 from kinetix.level.codec import resolve_path
+from kinetix.level.model import UNSOLVED
 from kinetix.level.sets import (
     DEFAULT_SPLIT,
     LONGEST_NAME,
@@ -38,8 +39,6 @@ from kinetix.level.sets import (
 )
 from kinetix.level.validate import Issue, has_errors
 from kinetix.wording import plural
-
-_UNSOLVED = "unsolved"
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -256,7 +255,7 @@ def verdict_on(each: SetLevel) -> Verdict:
         issues=issues,
         noop=noop,
         solution=solution,
-        unsolved=_UNSOLVED in level.tags,
+        unsolved=UNSOLVED in level.tags,
         records=each.path is None or each.native,
         unplayed=unplayed,
     )

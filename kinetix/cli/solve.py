@@ -20,7 +20,7 @@ from kinetix.errors import KinetixError, LevelError
 from kinetix.files.atomic import backup_of, check_target, write_with_backup
 from kinetix.level.codec import dumps, level_hash, load_document, load_level, save_level
 from kinetix.level.controls import channels_in_use
-from kinetix.level.model import Level, Solution
+from kinetix.level.model import UNSOLVED, Level, Solution
 from kinetix.level.sets import SetLevel, read_levels, set_level_issues
 from kinetix.level.sizes import capacity_of
 from kinetix.paths import levels_dir
@@ -33,7 +33,6 @@ if TYPE_CHECKING:
 _NO_TASK = ("E101", "E102", "E104", "E105", "W216")
 """Codes of levels that nothing can win: without a green and a blue that can touch, or over before
 they begin."""
-_UNSOLVED = "unsolved"
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -229,7 +228,7 @@ def _record(level: Level, solution: Solution, path: Path) -> bool:
     if now is None:
         return False
     # What is solved is no longer unsolved.
-    tags = tuple(tag for tag in now.tags if tag != _UNSOLVED)
+    tags = tuple(tag for tag in now.tags if tag != UNSOLVED)
     made = now.replace(solution=solution, tags=tags)
     if _proven(now):
         write_with_backup(path, dumps(made).encode(), keep_all=True)
@@ -245,7 +244,7 @@ def _drop(level: Level, path: Path) -> None:
     now = _unchanged(level, path)
     if now is None or now.solution != level.solution:
         return
-    tags = (*(tag for tag in now.tags if tag != _UNSOLVED), _UNSOLVED)
+    tags = (*(tag for tag in now.tags if tag != UNSOLVED), UNSOLVED)
     save_level(now.replace(solution=None, tags=tags), path)
     print(f"dropped the solution in {path}: it does not win", flush=True)
 

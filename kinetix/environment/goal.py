@@ -10,7 +10,7 @@ from kinetix.environment.state import NO_DISTANCE
 from kinetix.level.compile import Labels
 from kinetix.level.features import capacity_of_world
 
-GREEN, BLUE, RED = 1, 2, 3
+NEUTRAL, GREEN, BLUE, RED = range(4)
 GOAL_TOUCH = GREEN * BLUE
 DEATH_TOUCH = GREEN * RED
 

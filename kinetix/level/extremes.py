@@ -2,6 +2,8 @@
 
 from typing import Final
 
+LARGEST_REAL: Final = 3.4028234663852886e38
+"""Most that a 32-bit number may be, to either side."""
 FARTHEST: Final = 15.0
 """Most that a coordinate of a body may be, to either side [m]."""
 FARTHEST_PART: Final = 10_000.0

@@ -9,12 +9,12 @@ from typing import Any, Final
 import msgspec
 
 from kinetix.engine.spec import ARENA_BODIES, Capacity
+from kinetix.level.extremes import LARGEST_REAL
 from kinetix.level.faults import FaultCollector, bounds_text
 from kinetix.level.json_text import DuplicateKeys
 from kinetix.level.model import MAX_ENTITIES
 from kinetix.level.sizes import SIZES
 
-_LARGEST_REAL = 3.4028234663852886e38
 VERTEX_ROWS: Final = 4
 
 
@@ -157,7 +157,7 @@ def read_real(value: Any, path: str, faults: FaultCollector) -> float:
     if type(value) not in (float, int):
         faults.expect("E006", path, "a number", value)
         return 0.0
-    if not abs(value) <= _LARGEST_REAL:
+    if not abs(value) <= LARGEST_REAL:
         faults.expect("E007", path, "a finite 32-bit number", value)
         return 0.0
     return float(value)

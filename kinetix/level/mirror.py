@@ -4,7 +4,7 @@ import math
 from collections.abc import Iterable
 from typing import Final, Literal
 
-from kinetix.level.geometry import reverse_winding
+from kinetix.level.geometry import ARENA_WIDTH, reverse_winding
 from kinetix.level.model import (
     Arena,
     ArenaBody,
@@ -22,7 +22,7 @@ from kinetix.level.model import (
 
 Axis = Literal["x", "y"]
 """Direction that is turned round: `x` exchanges left and right, `y` top and bottom."""
-MIDDLE: Final = 2.5
+MIDDLE: Final = ARENA_WIDTH / 2
 """Middle of the arena [m]."""
 End = Literal["a", "b"]
 BOTH: Final[tuple[End, End]] = ("a", "b")

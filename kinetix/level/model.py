@@ -53,6 +53,8 @@ MOTOR_BINDINGS: Final = 4
 """Number of action channels for motors."""
 THRUSTER_BINDINGS: Final = 2
 """Number of action channels for thrusters."""
+UNSOLVED: Final = "unsolved"
+"""Tag of a level for which no solution is known."""
 MAX_TAGS: Final = 100
 """Most tags of a level."""
 MAX_TAG: Final = 40

@@ -15,11 +15,10 @@ import msgspec
 from msgspec import inspect
 
 from kinetix.files.names import is_text
+from kinetix.level.extremes import LARGEST_REAL
 from kinetix.level.faults import FaultCollector, bounds_text
 from kinetix.level.json_text import DuplicateKeys
 from kinetix.level.model import Level, Limits, Motor
-
-_LARGEST_REAL = 3.4028234663852886e38
 
 REQUIRED: Final[dict[type[msgspec.Struct], set[str]]] = {
     Level: {"next_id"},
@@ -182,7 +181,7 @@ def _check_list(value: Any, kind: Any, path: str, faults: FaultCollector) -> Non
 def _check_real(value: Any, kind: Any, path: str, faults: FaultCollector) -> None:
     if type(value) not in (float, int):
         faults.expect("E006", path, "a number", value)
-    elif not abs(value) <= _LARGEST_REAL:
+    elif not abs(value) <= LARGEST_REAL:
         faults.expect("E007", path, "a finite 32-bit number", value)
     elif not (_is_possible if faults.beyond_files else _is_within)(value, kind.ge, kind.le):
         faults.expect("E007", path, bounds_text(kind.ge, kind.le), value)

@@ -3,9 +3,10 @@
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
+from kinetix.level.geometry import ARENA_WIDTH
 from kinetix.pytree import pytree
 
-ARENA_SIZE = (5.0, 5.0)
+ARENA_SIZE = (ARENA_WIDTH, ARENA_WIDTH)
 """Width and height of the playable square [m]; its lower left corner is the origin."""
 
 

@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from typing import Any, Final
 
 from kinetix.level.builder import LevelBuilder
+from kinetix.level.geometry import FLOOR_TOP
 from kinetix.level.model import (
     Arena,
     ArenaBody,
@@ -17,7 +18,7 @@ from kinetix.level.model import (
     SizeName,
 )
 
-FLOOR: Final = 0.4
+FLOOR: Final = FLOOR_TOP
 """Height of the floor's surface [m]."""
 
 LEFT_RIGHT: Final = 0

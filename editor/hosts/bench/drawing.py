@@ -5,10 +5,10 @@ import statistics
 import threading
 import time
 
-from editor.base.events import Pointer, PointerEvent
+from editor.base.events import FRAME, Pointer, PointerEvent
 from editor.base.settings import Settings
 from editor.hosts import gl
-from editor.hosts.bench.rows import FRAME, Row, crowded_level
+from editor.hosts.bench.rows import Row, crowded_level
 from editor.hosts.offscreen import OffscreenHost
 from editor.session import Session
 

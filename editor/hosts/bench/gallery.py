@@ -6,12 +6,12 @@ import time
 from pathlib import Path
 from typing import Final
 
-from editor.base.events import WheelEvent
+from editor.base.events import FRAME, WheelEvent
 from editor.base.settings import Settings
 from editor.gallery.library import Library
 from editor.gallery.results import Results
 from editor.hosts import gl
-from editor.hosts.bench.rows import FRAME, Row
+from editor.hosts.bench.rows import Row
 from editor.hosts.offscreen import OffscreenHost
 from editor.session import Session
 from kinetix.level.codec import load_level, save_level

@@ -4,9 +4,10 @@ import statistics
 import time
 
 from editor.actions import file
+from editor.base.events import FRAME
 from editor.base.settings import Settings
 from editor.gallery.results import Results
-from editor.hosts.bench.rows import FRAME, Row
+from editor.hosts.bench.rows import Row
 from editor.hosts.offscreen import OffscreenHost
 from editor.play.mode import Mode
 from editor.session import Session

@@ -4,12 +4,10 @@ import dataclasses
 import statistics
 import time
 from collections.abc import Callable
-from typing import Final
 
+from editor.base.events import FRAME
 from editor.hosts.offscreen import OffscreenHost
 from kinetix.level.model import Body, Circle, Joint, Level, Polygon, Thruster
-
-FRAME: Final = 1 / 60
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)

@@ -9,10 +9,11 @@ from pathlib import Path
 from typing import Final
 
 from editor.actions import agents, file
+from editor.base.events import FRAME
 from editor.base.settings import Settings
 from editor.gallery.results import Results
 from editor.hosts import gl
-from editor.hosts.bench.rows import FRAME, Row, until
+from editor.hosts.bench.rows import Row, until
 from editor.hosts.offscreen import OffscreenHost
 from editor.play.mode import Mode
 from editor.session import Session

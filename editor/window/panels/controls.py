@@ -4,6 +4,7 @@ from typing import TYPE_CHECKING
 
 from imgui_bundle import imgui
 
+from editor.base.controls import GLYPHS
 from editor.base.language import tr
 from editor.toolkit import widgets
 from editor.toolkit.appearance import COLOURS, Icons
@@ -14,8 +15,6 @@ from kinetix.level.controls import channels_in_use, driven_by
 
 if TYPE_CHECKING:
     from editor.session import Session
-
-_GLYPHS = {"left": "←", "right": "→", "up": "↑", "down": "↓"}
 
 
 class ControlsPanel(Panel):
@@ -34,7 +33,7 @@ class ControlsPanel(Panel):
             ordered = sorted((d.value, key) for key, d in keys.items() if d.channel == channel)
             for _, key in ordered:
                 lit = key in session.hands.held and not session.editing
-                widgets.key_cap(_GLYPHS.get(key, key.upper()), lit=lit)
+                widgets.key_cap(GLYPHS.get(key, key.upper()), lit=lit)
                 imgui.same_line(0, px(4))
             imgui.same_line(px(72))
             names = [session.document.name_of(entity) for entity in driven]

@@ -15,6 +15,7 @@ from jaxtyping import Array, Bool, Float, Int
 
 from kinetix.environment.devices import devices_for, in_shares
 from kinetix.environment.env import KinetixEnv
+from kinetix.environment.goal import BLUE, GREEN
 from kinetix.environment.state import EnvState
 from kinetix.pytree import pytree
 
@@ -29,9 +30,6 @@ WAY: Final = 32
 """Places that are noted of a way."""
 EVERY: Final = 2
 """Environment steps between two of them."""
-GREEN: Final = 1
-BLUE: Final = 2
-"""Numbers of the roles."""
 _MOVING: Final = ("physics", "timestep", "last_distance")
 
 

@@ -23,11 +23,10 @@ from kinetix.environment.generators.figures import VERTICES, Figures, inertia, m
 from kinetix.environment.params import PhysicsEngine
 from kinetix.environment.state import NO_DISTANCE, EnvState, state_of
 from kinetix.level.compile import Labels, compile_level
+from kinetix.level.extremes import FARTHEST
 from kinetix.level.model import InertiaModel, Level
 from kinetix.pytree import pytree
 
-FARTHEST = 15.0
-"""Bound of every coordinate [m]: the engine clips to it in the first step, files refuse more."""
 LEGACY_CEILING_CORNER = (5.0, 5.2)
 """First corner of the ceiling in kinetix-env's generated levels [m, its frame]."""
 

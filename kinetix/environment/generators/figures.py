@@ -16,10 +16,6 @@ from kinetix.pytree import pytree
 
 VERTICES: Final = 4
 """Rows for the corners of a polygon."""
-FLOOR_TOP: Final = 0.4
-"""Height of the floor's surface [m]."""
-ARENA_SIDE: Final = 5.0
-"""Side of the playable square [m]."""
 
 
 @pytree

@@ -15,9 +15,6 @@ from jaxtyping import Array, Bool, Float, Int, Key, UInt
 
 from kinetix.engine.spec import ARENA_BODIES, Capacity
 from kinetix.environment.generators.blocks import (
-    BLUE,
-    GREEN,
-    NEUTRAL,
     Proposals,
     connected_shape,
     free_shape,
@@ -54,6 +51,7 @@ from kinetix.environment.generators.draws import (
 )
 from kinetix.environment.generators.figures import pick
 from kinetix.environment.generators.params import UEDParams, checked_drawing
+from kinetix.environment.goal import BLUE, GREEN, NEUTRAL
 from kinetix.environment.params import EnvParams, PhysicsEngine, StaticEnvParams
 from kinetix.environment.state import EnvState
 from kinetix.pytree import pytree

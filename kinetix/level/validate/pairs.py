@@ -5,6 +5,7 @@ from typing import Final
 
 import numpy as np
 
+from kinetix.engine.constants import TOUCH_SLOP
 from kinetix.engine.pairs import touching_points
 from kinetix.engine.spec import ARENA_BODIES
 from kinetix.level.geometry import overlap_depth
@@ -14,8 +15,6 @@ from kinetix.level.sizes import capacity_of, describe_capacity
 from kinetix.level.validate.issue import Issue, capital, describe, issue
 from kinetix.level.validate.placed import Placed
 
-TOUCH_SLOP: Final = 5e-3
-"""Two bodies that can push each other count as touching up to this distance [m]."""
 OVERLAP_TOLERANCE: Final = 0.01
 """Overlap that no solver notices: the published levels' slop [m]."""
 MOST_OVERLAPS: Final = 200

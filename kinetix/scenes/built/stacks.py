@@ -1,9 +1,10 @@
 """Things that must stand: walls, pyramids, towers, heaps that fill a size, shelves."""
 
 from kinetix.level.builder import LevelBuilder
+from kinetix.level.geometry import FLOOR_TOP
 from kinetix.scenes.model import SuiteScene, Trial
 
-FLOOR = 0.4
+FLOOR = FLOOR_TOP
 """Height of the arena's floor [m]."""
 
 

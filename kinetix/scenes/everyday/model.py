@@ -5,13 +5,14 @@ import random
 from collections.abc import Callable
 from typing import Any, Final
 
+from kinetix.level.geometry import ARENA_WIDTH, FLOOR_TOP
 from kinetix.level.model import Level
 from kinetix.level.sizes import SIZES
 from kinetix.scenes.model import Trial
 
-FLOOR: Final = 0.4
+FLOOR: Final = FLOOR_TOP
 """Height of the arena's floor [m]."""
-WIDTH: Final = 5.0
+WIDTH: Final = ARENA_WIDTH
 """Of the arena [m]."""
 
 

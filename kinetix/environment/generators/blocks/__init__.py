@@ -9,10 +9,6 @@ Q1 … Q8 are the quirks of `UEDParams.kinetix_quirks`.
 
 from kinetix.environment.generators.blocks.jointed import connected_shape, joint_of
 from kinetix.environment.generators.blocks.proposals import (
-    BLUE,
-    GREEN,
-    MOTOR_BINDINGS,
-    NEUTRAL,
     Proposals,
     SizeLimit,
     Surroundings,
@@ -23,10 +19,6 @@ from kinetix.environment.generators.blocks.shapes import draw_role, free_shape, 
 from kinetix.environment.generators.blocks.thrusters import thrusters_on
 
 __all__ = [
-    "BLUE",
-    "GREEN",
-    "MOTOR_BINDINGS",
-    "NEUTRAL",
     "Proposals",
     "SizeLimit",
     "Surroundings",

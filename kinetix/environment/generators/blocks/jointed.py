@@ -8,16 +8,7 @@ from jaxtyping import Array, Bool, Float, Int
 
 from kinetix.engine.types import Joints
 from kinetix.environment.generators.blocks.places import pick_figures, place_within
-from kinetix.environment.generators.blocks.proposals import (
-    BLUE,
-    GREEN,
-    MOTOR_BINDINGS,
-    NEUTRAL,
-    RED,
-    Proposals,
-    SizeLimit,
-    Surroundings,
-)
+from kinetix.environment.generators.blocks.proposals import Proposals, SizeLimit, Surroundings
 from kinetix.environment.generators.blocks.shapes import draw_figure, draw_role
 from kinetix.environment.generators.draws import JointDraws, ShapeDraws, among, between, choose
 from kinetix.environment.generators.figures import (
@@ -28,6 +19,8 @@ from kinetix.environment.generators.figures import (
     rotate,
 )
 from kinetix.environment.generators.params import UEDParams
+from kinetix.environment.goal import BLUE, GREEN, NEUTRAL, RED
+from kinetix.level.model import MOTOR_BINDINGS
 
 PEER_WELD_CHANCE: Final = 0.5
 """Q1: what kinetix-env uses in place of `UEDParams.joint_fixed_chance`."""

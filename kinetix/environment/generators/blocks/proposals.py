@@ -1,17 +1,12 @@
 """Proposals for a new body, and what they hang on."""
 
-from typing import Final
-
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 
 from kinetix.environment.generators.figures import Figures
 from kinetix.environment.generators.params import UEDParams
+from kinetix.environment.goal import BLUE, GREEN, RED
 from kinetix.pytree import pytree
-
-NEUTRAL, GREEN, BLUE, RED = range(4)
-MOTOR_BINDINGS: Final = 4
-THRUSTER_BINDINGS: Final = 2
 
 
 @pytree

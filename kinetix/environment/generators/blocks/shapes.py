@@ -7,17 +7,12 @@ from typing import Final
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 
-from kinetix.environment.generators.blocks.proposals import (
-    BLUE,
-    GREEN,
-    NEUTRAL,
-    Proposals,
-    SizeLimit,
-    Surroundings,
-)
+from kinetix.environment.generators.blocks.proposals import Proposals, SizeLimit, Surroundings
 from kinetix.environment.generators.draws import ShapeDraws, between
-from kinetix.environment.generators.figures import ARENA_SIDE, FLOOR_TOP, VERTICES, Figures, area
+from kinetix.environment.generators.figures import VERTICES, Figures, area
 from kinetix.environment.generators.params import UEDParams
+from kinetix.environment.goal import BLUE, GREEN, NEUTRAL
+from kinetix.level.geometry import ARENA_WIDTH, FLOOR_TOP
 
 MIN_HALF_SIDE: Final = 0.05
 """Least half extent of a rectangle [m]."""
@@ -146,11 +141,11 @@ def free_shape(
     figure, extent = draw_figure(draws, circle, limit, ued)
 
     kept_apart = opposite < ued.goal_body_opposide_side_chance
-    half = ARENA_SIDE / 2
+    half = ARENA_WIDTH / 2
     least_x = extent + jnp.where(kept_apart & (role == BLUE), half, 0.0)
-    most_x = ARENA_SIDE - extent - jnp.where(kept_apart & (role == GREEN), half, 0.0)
+    most_x = ARENA_WIDTH - extent - jnp.where(kept_apart & (role == GREEN), half, 0.0)
     x = between(at_x, least_x, most_x)
-    y = between(at_y, FLOOR_TOP + extent, ARENA_SIDE - extent)
+    y = between(at_y, FLOOR_TOP + extent, ARENA_WIDTH - extent)
 
     chance = jnp.minimum(
         ued.fixate_chance_max, ued.fixate_chance_min + ued.fixate_chance_scale * area(figure)

@@ -7,10 +7,10 @@ from jaxtyping import Array, Bool, Int
 
 from kinetix.engine.types import Thrusters
 from kinetix.environment.generators.blocks.places import pick_figures, place_within
-from kinetix.environment.generators.blocks.proposals import THRUSTER_BINDINGS
 from kinetix.environment.generators.draws import ThrusterDraws, among, between, choose
 from kinetix.environment.generators.figures import Figures, mass, pick
 from kinetix.environment.generators.params import UEDParams
+from kinetix.level.model import THRUSTER_BINDINGS
 
 
 def thrusters_on(

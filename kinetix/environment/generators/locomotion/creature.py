@@ -9,10 +9,11 @@ from jaxtyping import Array, Bool, Float, Int
 
 from kinetix.engine.spec import ARENA_BODIES
 from kinetix.engine.types import Joints
-from kinetix.environment.generators.blocks import MOTOR_BINDINGS
 from kinetix.environment.generators.draws import Tape, among, between
-from kinetix.environment.generators.figures import ARENA_SIDE, rotate
+from kinetix.environment.generators.figures import rotate
 from kinetix.environment.generators.locomotion.params import LocomotionParams
+from kinetix.level.geometry import ARENA_WIDTH
+from kinetix.level.model import MOTOR_BINDINGS
 from kinetix.pytree import pytree
 
 OVERLAP: Final = 0.05
@@ -184,7 +185,7 @@ def assemble(
     params, worlds = creature.params, creature.worlds
     always = jnp.ones((worlds,), bool)
     turn = between(turn_u, -params.body_rotation_range, params.body_rotation_range)
-    seed = jnp.stack([jnp.where(mirror, ARENA_SIDE, 0.0), jnp.zeros((worlds,))])
+    seed = jnp.stack([jnp.where(mirror, ARENA_WIDTH, 0.0), jnp.zeros((worlds,))])
     body = creature.add(creature.dimension("body"), seed, turn, always)
 
     left_size, right_size = creature.dimension("leg"), creature.dimension("leg")

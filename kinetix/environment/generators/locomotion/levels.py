@@ -8,7 +8,6 @@ import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, UInt
 
 from kinetix.engine.spec import ARENA_BODIES, Capacity
-from kinetix.environment.generators.blocks import BLUE, GREEN
 from kinetix.environment.generators.draft import (
     Draft,
     empty_draft,
@@ -17,12 +16,14 @@ from kinetix.environment.generators.draft import (
     spread,
 )
 from kinetix.environment.generators.draws import Tape, between, raw_keys
-from kinetix.environment.generators.figures import ARENA_SIDE, Figures
+from kinetix.environment.generators.figures import Figures
 from kinetix.environment.generators.locomotion.creature import Creature, assemble
 from kinetix.environment.generators.locomotion.params import LocomotionParams
 from kinetix.environment.generators.params import UEDParams
 from kinetix.environment.generators.sample import draw_floor_role
+from kinetix.environment.goal import BLUE, GREEN
 from kinetix.errors import KinetixError
+from kinetix.level.geometry import ARENA_WIDTH
 
 LOWEST, LEFTMOST, RIGHTMOST = 0.5, 0.2, 4.8
 """Bounds of all corners of the creature at the start (rotation ignored) [m]."""
@@ -114,7 +115,7 @@ def _put_together(
     }
     low, high = GOAL_RANGE
     x = (low + high) / 2 if params.fix_goal_position else between(goal_u, low, high)
-    x = jnp.broadcast_to(jnp.where(mirror, ARENA_SIDE - x, x), (worlds,))
+    x = jnp.broadcast_to(jnp.where(mirror, ARENA_WIDTH - x, x), (worlds,))
     goal = {
         "position": jnp.stack([x, jnp.full_like(x, GOAL_HEIGHT)]),
         "radius": GOAL_RADIUS,

@@ -5,9 +5,10 @@ import random
 from typing import Any, Final
 
 from kinetix.level.builder import LevelBuilder
+from kinetix.level.geometry import FLOOR_TOP
 from kinetix.level.model import ArenaName, Motor, Point, Role
 
-FLOOR: Final = 0.4
+FLOOR: Final = FLOOR_TOP
 """Height of the floor [m]."""
 
 

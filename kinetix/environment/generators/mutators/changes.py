@@ -16,8 +16,6 @@ from kinetix.environment.generators.blocks import new_dimensions, size_limit
 from kinetix.environment.generators.draft import Draft, components, hit, spread
 from kinetix.environment.generators.draws import PER_SHAPE, between, shape_draws
 from kinetix.environment.generators.figures import (
-    ARENA_SIDE,
-    FLOOR_TOP,
     VERTICES,
     Figures,
     bounds,
@@ -37,6 +35,7 @@ from kinetix.environment.generators.mutators.picking import (
     with_figures,
 )
 from kinetix.environment.generators.params import UEDParams
+from kinetix.level.geometry import ARENA_WIDTH, FLOOR_TOP
 
 LARGEST_STEP: Final = 0.5
 """Largest shift of a body along each axis [m]."""
@@ -175,7 +174,7 @@ def change_location(
     low = jnp.min(jnp.where(measured, low, jnp.inf), axis=0)
     high = jnp.max(jnp.where(measured, high, -jnp.inf), axis=0)
     least = jnp.array([0.0, FLOOR_TOP])[:, None]
-    back = jnp.maximum(0.0, least - low) - jnp.maximum(0.0, high - ARENA_SIDE)
+    back = jnp.maximum(0.0, least - low) - jnp.maximum(0.0, high - ARENA_WIDTH)
     position = position + jnp.where(moved[:, None], back[None], 0.0)
     return with_figures(draft, position=position)
 
