@@ -8,7 +8,7 @@ from imgui_bundle import imgui
 
 from editor.base.camera import Point
 from editor.base.language import tr
-from editor.toolkit.appearance import COLOURS, FONTS, SMALL, Rgba, alpha, u32
+from editor.toolkit.appearance import COLOURS, FONTS, SMALL, alpha, u32
 from editor.toolkit.widgets import font, px
 
 
@@ -52,7 +52,7 @@ def arrow(
     )
 
 
-def label_plate(draw: imgui.ImDrawList, at: Point, words: str, colour: Rgba | None = None) -> None:
+def label_plate(draw: imgui.ImDrawList, at: Point, words: str) -> None:
     """A short text on a plate, to the lower right of a place [px]."""
     words = tr(words)
     with font(FONTS.regular, SMALL):
@@ -61,7 +61,7 @@ def label_plate(draw: imgui.ImDrawList, at: Point, words: str, colour: Rgba | No
         high = (low[0] + size.x + px(12), low[1] + size.y + px(6))
         draw.add_rect_filled(low, high, u32(alpha(COLOURS.raised, 0.94)), px(5))
         draw.add_rect(low, high, u32(COLOURS.line), px(5))
-        draw.add_text((low[0] + px(6), low[1] + px(3)), u32(colour or COLOURS.text), words)
+        draw.add_text((low[0] + px(6), low[1] + px(3)), u32(COLOURS.text), words)
 
 
 @dataclasses.dataclass(kw_only=True)

@@ -209,10 +209,9 @@ def snap_shift(
     return dataclasses.replace(snapped, point=(snapped.point[0] - x, snapped.point[1] - y))
 
 
-def snap_angle(angle: float, step: float, *, within: float | None = None) -> float:
-    """The nearest multiple of `step` [rad], or the angle itself when it is not `within` reach."""
-    nearest = round(angle / step) * step
-    return angle if within is not None and abs(angle - nearest) > within else nearest
+def snap_angle(angle: float, step: float) -> float:
+    """Return the nearest multiple of `step` [rad]."""
+    return round(angle / step) * step
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)

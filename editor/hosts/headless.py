@@ -1,4 +1,4 @@
-"""The same app without OpenGL and without a window: for tests and for replays of events."""
+"""The same app without OpenGL and without a window: for tests."""
 
 from collections.abc import Callable
 

@@ -18,16 +18,13 @@ from kinetix.paths import checkpoints_dir
 from kinetix.wording import plural
 
 
-def environment_for(
-    player: Player, capacity: Capacity, *, physics: str, auto_reset: bool = False
-) -> KinetixEnv:
+def environment_for(player: Player, capacity: Capacity, *, physics: str) -> KinetixEnv:
     """The environment that a player expects: its bindings, frame skip, step and observation.
 
     Args:
         player: Who will play.
         capacity: Sizes of the levels.
         physics: Physics preset or solver.
-        auto_reset: Whether episodes go on by themselves.
     """
     card = player.card
     sizes = card.capacity
@@ -51,7 +48,7 @@ def environment_for(
         observation_type="blind" if sees_simulator else card.observation.type,
         env_params=env_params,
         static_env_params=static_env_params,
-        auto_reset=auto_reset,
+        auto_reset=False,
     )
     if sees_simulator:
         layout = Layout.of(env_params, static_env_params)

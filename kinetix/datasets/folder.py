@@ -96,12 +96,11 @@ def read_manifest(folder: Path) -> Manifest:
     return manifest
 
 
-def read_dataset(folder: Path, *, check: bool = True) -> Iterator[RecordedEpisode]:
+def read_dataset(folder: Path) -> Iterator[RecordedEpisode]:
     """Read the episodes of a data set, shard after shard.
 
     Args:
         folder: The data set.
-        check: Compare each shard with what the manifest says of it.
 
     Raises:
         KinetixError: There is no data set, a shard is missing or damaged, or another than the
@@ -109,13 +108,13 @@ def read_dataset(folder: Path, *, check: bool = True) -> Iterator[RecordedEpisod
     """
     for k, shard in enumerate(read_manifest(folder).shards):
         path = folder / shard.file
-        if check and hashlib.sha256(read_bytes(path, "episodes")).hexdigest() != shard.sha256:
+        if hashlib.sha256(read_bytes(path, "episodes")).hexdigest() != shard.sha256:
             raise KinetixError(
                 f"{path}: is not the file that {MANIFEST} names (SHA-256 differs); {_BRING_BACK}"
             )
         episodes = read_shard(path)
         held = len(episodes), sum(episode.length for episode in episodes)
-        if check and held != (shard.episodes, shard.steps):
+        if held != (shard.episodes, shard.steps):
             raise KinetixError(
                 f"{folder / MANIFEST}: $.shards[{k}]: expected {_counted(*held)} as in "
                 f"{shard.file}, got {_counted(shard.episodes, shard.steps)}; {_BRING_BACK}"

@@ -71,7 +71,7 @@ class Scene:
     labels: Labels
 
 
-def empty_scene(spec: SceneSpec, solver: AbstractSolver) -> Scene:
+def empty_scene(spec: SceneSpec, solver: AbstractSolver | None) -> Scene:
     """A scene with every slot inactive, as writable numpy arrays, for builders to fill.
 
     Inactive slots hold what kinetix-env's files hold there: friction 1, density 1, collision mode
@@ -135,7 +135,7 @@ def empty_scene(spec: SceneSpec, solver: AbstractSolver) -> Scene:
         angular_velocity=zeros(b),
         touching=flags(len(candidate_pairs(size))),
         overflow=flags(),
-        cache=empty_cache(spec, solver),
+        cache=() if solver is None else empty_cache(spec, solver),
     )
     labels = Labels(
         role=integers(b),
@@ -160,13 +160,13 @@ def finished(scene: Scene) -> Scene:
     return dataclasses.replace(scene, world=dataclasses.replace(scene.world, collides=collides))
 
 
-def compile_level(level: Level, *, spec: SceneSpec, solver: AbstractSolver) -> Scene:
+def compile_level(level: Level, *, spec: SceneSpec, solver: AbstractSolver | None = None) -> Scene:
     """A level as the engine's arrays, slots filled without gaps in list order.
 
     Args:
         level: The document.
         spec: Capacity to compile to; its features do not matter here.
-        solver: Provides the empty warm-start cache.
+        solver: Provides the empty warm-start cache; None where only the world is wanted.
 
     Raises:
         LevelError: The level does not fit the capacity, or holds what the reader of files would

@@ -3,15 +3,13 @@
 import dataclasses
 import functools
 from collections.abc import Iterable
-from typing import Any
 
 import numpy as np
 from jaxtyping import Bool
 
 from kinetix.engine.pairs import candidate_pairs, may_push
-from kinetix.engine.solvers.base import AbstractSolver
 from kinetix.engine.spec import ARENA_BODIES, Capacity, Features, SceneSpec, Used
-from kinetix.engine.types import State, World
+from kinetix.engine.types import World
 from kinetix.level.compile import Scene, compile_level
 from kinetix.level.model import (
     Level,
@@ -96,21 +94,7 @@ def _world_of(subject: "Level | Scene | World", capacity: Capacity | None) -> Wo
     if isinstance(subject, Scene):
         return subject.world
     spec = SceneSpec(capacity=capacity or capacity_of(subject))
-    return compile_level(subject, spec=spec, solver=_NoSolver()).world
-
-
-class _NoSolver(AbstractSolver):
-    """Stands in where only a world is wanted."""
-
-    name = "none"
-
-    def empty_cache(self, spec: SceneSpec) -> Any:
-        """Nothing is kept."""
-        return ()
-
-    def step(self, world: Any, state: Any, control: Any, parameters: Any, spec: Any) -> State:
-        """There is nothing to step."""
-        raise TypeError("a world that was compiled without a solver cannot be stepped")
+    return compile_level(subject, spec=spec).world
 
 
 def features_union(features: Iterable[Features], capacity: Capacity) -> Features:

@@ -69,16 +69,15 @@ def show(*shown: Any) -> Page:
         raise KinetixError(str(error)) from None
 
 
-def film_of_run(run: "Run", *, title: str = "") -> Film:
+def film_of_run(run: "Run") -> Film:
     """Return the film of a simulated level.
 
     Args:
         run: From `kinetix.simulate`.
-        title: What it is called; by default its physics.
     """
     return Film(
         level=run.level,
-        title=title or run.physics,
+        title=run.physics,
         seconds=run.time,
         position=run.position,
         angle=run.rotation,

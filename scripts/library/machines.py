@@ -12,8 +12,6 @@ class Car:
     """Ids of a car's bodies, and where its wheels stand."""
 
     chassis: int
-    rear: int
-    """The left wheel."""
     front: int
     """The right wheel."""
 
@@ -50,7 +48,7 @@ def car(
             speed=speed,
             power=power,
         )
-    return Car(chassis=chassis, rear=rear, front=front)
+    return Car(chassis=chassis, front=front)
 
 
 def arm(

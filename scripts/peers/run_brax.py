@@ -51,7 +51,7 @@ def model_of(scene: Scene, links: list[Link], timestep: float) -> mujoco.MjModel
     made: dict[int | None, Any] = {None: spec.worldbody}
     origins = {link.index: link.origin for link in links}
     for link in links:
-        made[link.index] = _add_link(spec, made[link.parent], scene, link, origins)
+        made[link.index] = _add_link(made[link.parent], scene, link, origins)
     for i, j in _meeting(bodies):
         friction = max(bodies[k]["friction"] for k in (i, j))
         pair = spec.add_pair(geomname1=f"g{i}", geomname2=f"g{j}", condim=3)
@@ -85,7 +85,7 @@ def _fill(geom: Any, told: Scene) -> None:
     geom.friction = [told["friction"], 0.0, 0.0]
 
 
-def _add_link(spec: Any, parent: Any, scene: Scene, link: Link, origins: Any) -> Any:
+def _add_link(parent: Any, scene: Scene, link: Link, origins: Any) -> Any:
     told, centre = scene["bodies"][link.index], [-x for x in link.origin]
     body = parent.add_body(name=f"b{link.index}")
     geom = body.add_geom(name=f"g{link.index}", pos=[*centre, 0.0])

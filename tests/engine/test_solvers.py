@@ -14,7 +14,6 @@ from kinetix.errors import KinetixError
 from tests.engine import scenes
 from tests.isolated import run_with
 
-FLOOR_BODY = 4
 FIRST = 5
 """Slot of the first polygon after the floor."""
 DISC = 10

@@ -15,12 +15,12 @@ from editor.worker.jobs import Worker
 from kinetix.paths import levels_dir
 
 
-def _first_frame(host: OffscreenHost, seconds: float = 300) -> float:
+def _first_frame(host: OffscreenHost) -> float:
     """Presses Play and waits for a simulated step [s]."""
     session = host.session
     start = time.perf_counter()
     session.queue("run.play_human")
-    while session.playback.step_count < 1 and time.perf_counter() - start < seconds:
+    while session.playback.step_count < 1 and time.perf_counter() - start < 300:
         host.step((), FRAME)
     return time.perf_counter() - start
 

@@ -8,7 +8,7 @@ from imgui_bundle import imgui
 
 from editor.base.language import tr
 from editor.toolkit import draw_list
-from editor.toolkit.appearance import COLOURS, FONTS, SMALL, Rgba, alpha, u32
+from editor.toolkit.appearance import COLOURS, FONTS, SMALL, alpha, u32
 from editor.toolkit.widgets.base import font, px
 from editor.toolkit.widgets.words import muted, tooltip
 
@@ -96,19 +96,19 @@ def beside_words(words: str, *, gap: float = 8) -> None:
     beside((imgui.calc_text_size(tr(words)).x + padding) / px(1), gap=gap)
 
 
-def separator_gap(width: float = 8.0) -> None:
+def separator_gap() -> None:
     """A thin upright line between groups of a bar."""
-    imgui.same_line(0, px(width))
+    imgui.same_line(0, px(8))
     at = imgui.get_cursor_screen_pos()
     height = imgui.get_frame_height()
     imgui.get_window_draw_list().add_line(
         (at.x, at.y + px(4)), (at.x, at.y + height - px(4)), u32(COLOURS.line), px(1)
     )
     imgui.dummy((px(1), height))
-    imgui.same_line(0, px(width))
+    imgui.same_line(0, px(8))
 
 
-def spinner(radius: float, colour: Rgba | None = None, *, framed: bool = False) -> None:
+def spinner(radius: float, *, framed: bool = False) -> None:
     """A turning arc: something is being done; `framed`: on a line with buttons."""
     r = px(radius)
     at = imgui.get_cursor_screen_pos()
@@ -116,9 +116,9 @@ def spinner(radius: float, colour: Rgba | None = None, *, framed: bool = False) 
     centre = (at.x + r, at.y + height / 2)
     draw = imgui.get_window_draw_list()
     start = imgui.get_time() * 5.0
-    draw.add_circle(centre, r - px(1), u32(alpha(colour or COLOURS.accent, 0.2)), 0, px(2))
+    draw.add_circle(centre, r - px(1), u32(alpha(COLOURS.accent, 0.2)), 0, px(2))
     draw.path_arc_to(centre, r - px(1), start, start + 1.8)
-    draw.path_stroke(u32(colour or COLOURS.accent), px(2))
+    draw.path_stroke(u32(COLOURS.accent), px(2))
     imgui.dummy((2 * r, height))
 
 

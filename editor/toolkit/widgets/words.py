@@ -80,7 +80,7 @@ def tooltip(title: str, detail: str = "", keys: str = "", *, own: bool = False) 
     imgui.pop_style_var()
 
 
-def badge(words: str, colour: Rgba, *, filled: bool = False) -> None:
+def badge(words: str, colour: Rgba) -> None:
     """A word in a coloured lozenge."""
     words = tr(words)
     line = imgui.get_text_line_height()
@@ -91,9 +91,8 @@ def badge(words: str, colour: Rgba, *, filled: bool = False) -> None:
         low = (at.x, at.y + (line - height) / 2)
         high = (at.x + size.x + 2 * pad, low[1] + height)
         draw = imgui.get_window_draw_list()
-        draw.add_rect_filled(low, high, u32(alpha(colour, 0.95 if filled else 0.18)), px(5))
-        ink = COLOURS.backdrop if filled else colour
-        draw.add_text((at.x + pad, low[1] + (height - size.y) / 2), u32(ink), words)
+        draw.add_rect_filled(low, high, u32(alpha(colour, 0.18)), px(5))
+        draw.add_text((at.x + pad, low[1] + (height - size.y) / 2), u32(colour), words)
         imgui.dummy((size.x + 2 * pad, line))
 
 

@@ -92,7 +92,7 @@ class Editor(NumberEditor):
 
     @contextlib.contextmanager
     def resettable(
-        self, session: "Session", paths: Sequence[str], default: Any = SAVED, *, name: str = ""
+        self, session: "Session", paths: Sequence[str], default: Any = SAVED
     ) -> Iterator[float]:
         """Leave room for an arrow that sets fields back, where they differ; yields what is left.
 
@@ -100,12 +100,11 @@ class Editor(NumberEditor):
             session: Gets the edit.
             paths: Dotted names of the fields that the arrow sets back together.
             default: What they go back to; `SAVED`: what the level's file says.
-            name: Of the arrow, where several set the same field back.
         """
         rows = reset_rows(session, self.ids, paths, default)
         words = "Reset to what is saved" if default is SAVED else f"Reset to {_plain(default)}"
         command = ResetFields(rows=rows) if rows else None
-        with self.arrow(session, name or paths[0], command, words) as room:
+        with self.arrow(session, paths[0], command, words) as room:
             yield room
 
     @contextlib.contextmanager

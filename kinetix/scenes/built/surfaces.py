@@ -36,7 +36,6 @@ def over_tiles(
     *,
     friction: float = 0.0,
     free: bool = False,
-    drop: float = 0.0,
 ) -> Trial:
     """Something that moves over sixteen tiles.
 
@@ -46,15 +45,13 @@ def over_tiles(
         name: Of the trial.
         friction: Of everything; a disc then rolls.
         free: The tiles are boxes that lie on a floor.
-        drop: By how much each second tile is lower [m].
     """
     tile = max(0.25, speed / 20)
     b = LevelBuilder("Floor of tiles", arena=False)
     if free:
         b.rectangle(tile * TILES / 2, -0.7, tile * TILES + 2, 1, fixed=True, friction=friction)
     for k in range(TILES):
-        y = -0.1 - drop * (k % 2)
-        b.rectangle((k + 0.5) * tile, y, tile, 0.2, fixed=not free, friction=friction)
+        b.rectangle((k + 0.5) * tile, -0.1, tile, 0.2, fixed=not free, friction=friction)
     start = min(tile, 0.4) / 2 + 0.15
     _slider(b, kind, start, 0.0, speed, friction)
     seconds = (tile * (TILES - 1) - start) / speed

@@ -7,7 +7,7 @@ from editor.actions import physics
 from editor.play.second_player import Follower
 from tests.editor.core.helpers import FakeSimulator, a_level, a_session
 
-LEFT, RIGHT, REST = (1, 0, 0, 0, 0, 0), (2, 0, 0, 0, 0, 0), (0, 0, 0, 0, 0, 0)
+LEFT, RIGHT = (1, 0, 0, 0, 0, 0), (2, 0, 0, 0, 0, 0)
 
 
 @pytest.fixture

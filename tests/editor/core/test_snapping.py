@@ -163,10 +163,6 @@ def test_angles_snap(degrees, expected):
     assert math.degrees(snapped) == pytest.approx(expected, abs=1e-9)
 
 
-def test_angles_may_be_left_alone():
-    assert snap_angle(0.2, math.radians(15), within=0.01) == 0.2
-
-
 def test_equal_gaps_are_shown_with_their_width():
     from editor.editing.snapping import measured
 
