@@ -8,10 +8,10 @@ import dataclasses
 import jax.numpy as jnp
 from jaxtyping import Array, Float, Int
 
-from kinetix.engine.collision import FEATURES, Found
-from kinetix.engine.lookup import marked
+from kinetix.engine.collision import Found
 from kinetix.engine.maths import Vec, cross, dot, nonzero, unvec
 from kinetix.engine.solvers.direct.phase import Phase
+from kinetix.engine.solvers.end import clipped, touched
 from kinetix.engine.solvers.rows import match
 from kinetix.engine.types import Parameters, State
 from kinetix.pytree import pytree
@@ -61,21 +61,16 @@ def finish(
     parameters: Parameters,
 ) -> State:
     """The new state: clipped, with the impulses kept by their keys."""
-    bound = parameters.clip_position
-    speed, spin = parameters.clip_velocity, parameters.clip_angular_velocity
     count = found.points.key.shape[0]
     joints = state.cache.joint_force_x.shape[0]
     force = Vec(x=end.joint_impulse[:joints], y=end.joint_impulse[joints : 2 * joints]) * (1 / h)
     last = Vec(x=state.cache.joint_force_x, y=state.cache.joint_force_y)
-    pair = jnp.where(end.hit, found.points.key // FEATURES, -1)
-    return dataclasses.replace(
+    state = dataclasses.replace(
         state,
-        position=jnp.clip(unvec(end.position), -bound, bound),
+        position=unvec(end.position),
         rotation=end.rotation,
-        velocity=jnp.clip(unvec(end.velocity.linear), -speed, speed),
-        angular_velocity=jnp.clip(end.velocity.angular, -spin, spin),
-        touching=found.touching | marked(pair, found.touching.shape[0]),
-        overflow=found.overflow,
+        velocity=unvec(end.velocity.linear),
+        angular_velocity=end.velocity.angular,
         cache=DirectCache(
             key=found.points.key,
             bias_normal=end.bias_impulse[:count],
@@ -90,6 +85,7 @@ def finish(
             contrast=contrast,
         ),
     )
+    return touched(clipped(state, parameters), found, end.hit)
 
 
 def _turn(last: Vec, now: Vec) -> Float[Array, "j n"]:

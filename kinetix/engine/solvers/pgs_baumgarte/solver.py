@@ -13,6 +13,7 @@ from kinetix.engine.lookup import onto, take
 from kinetix.engine.maths import Vec, cross, dot, rotate, unvec, vec
 from kinetix.engine.pairs import pair_counts
 from kinetix.engine.solvers.base import AbstractSolver
+from kinetix.engine.solvers.end import clipped
 from kinetix.engine.solvers.pgs_baumgarte.contacts import (
     Contacts,
     Kinds,
@@ -110,7 +111,7 @@ class PgsBaumgarte(AbstractSolver):
         moving, impulses, joint_impulses = jax.lax.fori_loop(
             0, self.iterations, sweep, (moving, impulses, joint_impulses)
         )
-        return _finish(world, state, moving, manifolds, impulses, joint_impulses, parameters)
+        return _finish(state, moving, manifolds, impulses, joint_impulses, parameters)
 
     def _prepare(
         self, world: World, moving: Moving, manifold: Manifold, pairs: Int[np.ndarray, "q 2"]
@@ -224,7 +225,6 @@ def _warm_start(
 
 
 def _finish(
-    world: World,
     state: State,
     moving: Moving,
     manifolds: tuple[Manifold, ...],
@@ -234,18 +234,13 @@ def _finish(
 ) -> State:
     """Drift, clip, and keep the impulses."""
     dt = parameters.dt
-    bound, speed, spin_rate = (
-        parameters.clip_position,
-        parameters.clip_velocity,
-        parameters.clip_angular_velocity,
-    )
     deeper, _, mixed, circles = manifolds
-    return dataclasses.replace(
+    end = dataclasses.replace(
         state,
-        position=jnp.clip(unvec(moving.position + moving.velocity * dt), -bound, bound),
+        position=unvec(moving.position + moving.velocity * dt),
         rotation=moving.rotation + moving.omega * dt,
-        velocity=jnp.clip(unvec(moving.velocity), -speed, speed),
-        angular_velocity=jnp.clip(moving.omega, -spin_rate, spin_rate),
+        velocity=unvec(moving.velocity),
+        angular_velocity=moving.omega,
         touching=jnp.concatenate([deeper.active, mixed.active, circles.active], axis=0),
         cache=PgsBaumgarteCache(
             polygons=impulses[0],
@@ -257,3 +252,4 @@ def _finish(
             joint_angular=joint_impulses[2],
         ),
     )
+    return clipped(end, parameters)

@@ -10,9 +10,9 @@ import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
 from kinetix.engine import actuators
-from kinetix.engine.collision import FEATURES, Found
-from kinetix.engine.lookup import marked
+from kinetix.engine.collision import Found
 from kinetix.engine.maths import Vec, unvec
+from kinetix.engine.solvers.end import clipped, touched
 from kinetix.engine.solvers.soft.levers import SplitMasses
 from kinetix.engine.solvers.visit import Twist
 from kinetix.engine.types import Control, Parameters, State, World
@@ -68,17 +68,12 @@ def finish(
     cache: Any,
 ) -> State:
     """The new state, clipped; pairs that pushed each other in the step count as touching."""
-    bound, speed = parameters.clip_position, parameters.clip_velocity
-    spin = parameters.clip_angular_velocity
-    pair = jnp.where(hit, found.points.key // FEATURES, -1)
-    velocity = jnp.stack([moving.velocity.x, moving.velocity.y], axis=1)
-    return dataclasses.replace(
+    end = dataclasses.replace(
         state,
-        position=jnp.clip(unvec(moving.position), -bound, bound),
+        position=unvec(moving.position),
         rotation=moving.rotation,
-        velocity=jnp.clip(velocity, -speed, speed),
-        angular_velocity=jnp.clip(moving.velocity.turn, -spin, spin),
-        touching=found.touching | marked(pair, found.touching.shape[0]),
-        overflow=found.overflow,
+        velocity=jnp.stack([moving.velocity.x, moving.velocity.y], axis=1),
+        angular_velocity=moving.velocity.turn,
         cache=cache,
     )
+    return touched(clipped(end, parameters), found, hit)
