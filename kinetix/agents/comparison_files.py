@@ -50,8 +50,8 @@ def check_size(path: Path, policies: int, levels: Sequence[str], attempts: int) 
         )
 
 
-def misfit_of(path: Path, text: str) -> str:
-    """Return why a comparison that is written cannot be read again; empty where it can.
+def misfit_of(path: Path, text: str) -> str | None:
+    """Return why a comparison that is written cannot be read again; None where it can.
 
     Args:
         path: The file.
@@ -59,7 +59,7 @@ def misfit_of(path: Path, text: str) -> str:
     """
     largest = LIMITS["kept"].largest
     if path.suffix.lower() != ".json" or len(text) <= largest:
-        return ""
+        return None
     return (
         f"{path}: has {len(text) // MIB} MiB, and the editor opens at most {largest // MIB} MiB; "
         "compare fewer, or write a .csv"
