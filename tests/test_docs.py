@@ -31,7 +31,7 @@ def blocks(document, language):
 
 def commands():
     """Every kinetix command, lines that end with a backslash joined."""
-    for document in DOCUMENTS:
+    for document in (ROOT / "README.md", *DOCUMENTS):
         for block in blocks(document, "sh"):
             for line in block.replace("\\\n", " ").splitlines():
                 if line.startswith("kinetix "):

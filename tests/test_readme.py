@@ -33,15 +33,6 @@ def test_the_snippets_run_in_order():
     assert int(names["level"].bodies.active.sum()) == 7
 
 
-@pytest.mark.parametrize("line", [line for line in commands() if line.startswith("kinetix ")])
-def test_the_commands_are_understood(line, monkeypatch):
-    words = shlex.split(line, comments=True)[1:]
-    seen = []
-    monkeypatch.setattr(f"kinetix.cli.{words[0]}.run", lambda command: seen.append(command) or 0)
-    assert cli.main(words) == 0
-    assert len(seen) == 1
-
-
 QUICK = tuple(f"kinetix {name} " for name in ("validate", "convert", "play", "sample", "eval"))
 """Sub-commands that take seconds; the others run in tests of their own, on something small."""
 

@@ -1,6 +1,7 @@
 """A session without a window: synthetic pointer and keys, a simulator that needs no physics."""
 
 import dataclasses
+import math
 
 import numpy as np
 
@@ -18,6 +19,7 @@ from editor.base.settings import Settings
 from editor.session import Session
 from editor.worker.recording import Snapshot
 from kinetix.errors import KinetixError
+from kinetix.level.geometry import referenced_body, to_world
 from kinetix.level.model import Body, Circle, Joint, Level, Motor, Polygon, Thruster
 
 SQUARE = Polygon(vertices=((0.2, 0.2), (-0.2, 0.2), (-0.2, -0.2), (0.2, -0.2)))
@@ -46,6 +48,12 @@ def a_level():
         ),
         thrusters=(Thruster(id=6, body=1, position=(-0.15, 0.1), angle=0.5, power=0.7),),
     )
+
+
+def gap(level, joint):
+    """Distance of a joint's two anchors in the world."""
+    a, b = referenced_body(level, joint.a), referenced_body(level, joint.b)
+    return math.dist(to_world(a, joint.anchor_a), to_world(b, joint.anchor_b))
 
 
 class FakeSimulator:

@@ -38,6 +38,7 @@ from editor.documents.commands.joints import (
 from editor.documents.commands.level import Permute
 from editor.documents.commands.rigid import with_parts
 from editor.documents.commands.sizes import ResetCorners
+from editor.editing.tools.rectangle import rectangle
 from kinetix.errors import CommandError
 from kinetix.level.geometry import (
     polygon_fault,
@@ -59,14 +60,9 @@ from kinetix.level.model import (
     Thruster,
 )
 from kinetix.level.validate import validate
-from tests.editor.core.helpers import a_level
+from tests.editor.core.helpers import a_level, gap
 
 KITE = Polygon(vertices=((0.5, 0.0), (0.0, 0.2), (-0.5, 0.0), (0.0, -0.2)))
-
-
-def gap(level, joint):
-    a, b = referenced_body(level, joint.a), referenced_body(level, joint.b)
-    return math.dist(to_world(a, joint.anchor_a), to_world(b, joint.anchor_b))
 
 
 @pytest.mark.parametrize(
@@ -165,14 +161,9 @@ def test_setting_an_angle_lets_joints_follow():
     assert gap(level, level.joints[0]) < 1e-6
 
 
-def box(width, height):
-    x, y = width / 2, height / 2
-    return Polygon(vertices=((x, y), (-x, y), (-x, -y), (x, -y)))
-
-
 def a_car():
     """A board on two wheels."""
-    board = Body(id=1, shape=box(1.0, 0.2), position=(2.0, 1.0))
+    board = Body(id=1, shape=rectangle(1.0, 0.2), position=(2.0, 1.0))
     wheels = [
         Body(id=k, shape=Circle(radius=0.2), position=(x, 0.9)) for k, x in ((2, 1.6), (3, 2.4))
     ]

@@ -5,6 +5,7 @@ import pytest
 
 from editor.play.motion import between
 from editor.toolkit.appearance import COLOURS
+from kinetix.render.palette import contrast
 from tests.editor.core.helpers import Hand, a_session
 
 
@@ -68,13 +69,8 @@ def test_angles_turn_the_short_way():
     assert between(a, b, 0.5).angle == pytest.approx(np.pi, abs=1e-3)
 
 
-def luminance(colour):
-    linear = [c / 12.92 if c <= 0.03928 else ((c + 0.055) / 1.055) ** 2.4 for c in colour[:3]]
-    return 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2]
-
-
 @pytest.mark.parametrize("ink", ["text", "muted", "faint"])
 @pytest.mark.parametrize("ground", ["backdrop", "surface", "raised", "field"])
 def test_text_has_contrast_enough(ink, ground):
-    a, b = luminance(getattr(COLOURS, ink)), luminance(getattr(COLOURS, ground))
-    assert (max(a, b) + 0.05) / (min(a, b) + 0.05) >= 4.5
+    pair = ([255 * c for c in getattr(COLOURS, name)[:3]] for name in (ink, ground))
+    assert contrast(*pair) >= 4.5

@@ -7,15 +7,9 @@ import pytest
 from editor import actions
 from editor.base.overlay import Cursor, HandleKind
 from editor.editing.picking import handles, signed_distance
-from kinetix.level.geometry import bounds_of, referenced_body, to_world
+from kinetix.level.geometry import bounds_of, to_world
 from kinetix.level.model import Level
-from tests.editor.core.helpers import Hand, a_level, a_session, texts
-
-
-def gap(level, joint):
-    """Distance of a joint's two anchors in the world."""
-    a, b = referenced_body(level, joint.a), referenced_body(level, joint.b)
-    return math.dist(to_world(a, joint.anchor_a), to_world(b, joint.anchor_b))
+from tests.editor.core.helpers import Hand, a_level, a_session, gap, texts
 
 
 def handle(session, kind, index=0):

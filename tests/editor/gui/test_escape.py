@@ -1,14 +1,10 @@
 """Esc closes what is in front, and nothing else."""
 
 import pytest
-from imgui_bundle import imgui
 
 from editor.gallery.export import SetPlan
 from tests.editor.core.helpers import a_level
-
-
-def popup_open():
-    return imgui.is_popup_open("", imgui.PopupFlags_.any_popup.value)
+from tests.editor.gui.windows import popup_open
 
 
 @pytest.fixture

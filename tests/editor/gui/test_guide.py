@@ -3,7 +3,6 @@
 import dataclasses
 
 import pytest
-from imgui_bundle import imgui
 
 from editor.actions import guide
 from editor.base.settings import Settings, SettingsKeeper
@@ -11,11 +10,7 @@ from editor.documents.commands.fields import SetField
 from editor.documents.commands.group import Move
 from kinetix.paths import levels_dir
 from tests.editor.core.helpers import a_session
-
-
-def rect(name):
-    window = imgui.internal.find_window_by_name(name)
-    return window.pos.x, window.pos.y, window.pos.x + window.size.x, window.pos.y + window.size.y
+from tests.editor.gui.windows import apart, rect
 
 
 def card():
@@ -24,10 +19,6 @@ def card():
 
 def arena(gui):
     return (*gui.screen(0.0, 5.0), *gui.screen(5.0, 0.0))
-
-
-def apart(one, other):
-    return one[2] <= other[0] or other[2] <= one[0] or one[3] <= other[1] or other[3] <= one[1]
 
 
 @pytest.fixture

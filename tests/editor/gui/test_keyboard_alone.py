@@ -1,9 +1,9 @@
 """What can be done without a mouse: shapes are placed, menus are opened."""
 
 import pytest
-from imgui_bundle import imgui
 
 from kinetix.level.model import Circle, Level
+from tests.editor.gui.windows import popup_open
 
 
 @pytest.fixture
@@ -35,10 +35,6 @@ def test_shapes_that_are_placed_in_a_row_do_not_cover_each_other(gui):
     places = [body.position for body in gui.level.bodies]
     assert len(set(places)) == 3 and gui.session.tool.id == "circle"
     assert places[0][0] > 4.0
-
-
-def popup_open():
-    return imgui.is_popup_open("", imgui.PopupFlags_.any_popup.value)
 
 
 def test_f10_opens_the_first_menu_and_arrows_go_through_them(gui):

@@ -11,18 +11,12 @@ from editor.base.settings import Settings
 from editor.session import Session
 from editor.toolkit.appearance import COLOURS, DARK, LIGHT, THEMES
 from editor.window.panels.preferences import PAGES
+from kinetix.render import palette
 from tests.editor import days
 
 
-def luminance(colour):
-    """Relative luminance, WCAG 2.1."""
-    parts = [c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4 for c in colour[:3]]
-    return 0.2126 * parts[0] + 0.7152 * parts[1] + 0.0722 * parts[2]
-
-
 def contrast(one, other):
-    light, dark = sorted((luminance(one), luminance(other)), reverse=True)
-    return (light + 0.05) / (dark + 0.05)
+    return palette.contrast(*([255 * c for c in colour[:3]] for colour in (one, other)))
 
 
 @pytest.mark.parametrize("name", THEMES)

@@ -5,18 +5,9 @@ from imgui_bundle import imgui
 
 from editor.actions import guide
 from tests.editor.core.helpers import FakeSimulator, a_session
+from tests.editor.gui.windows import apart, rect
 
 LONG = "Won in 150 steps. A win can be kept in the level, as a solution that anybody can watch."
-
-
-def rect(name):
-    window = imgui.internal.find_window_by_name(name)
-    x, y = window.pos.x, window.pos.y
-    return x, y, x + window.size.x, y + window.size.y
-
-
-def apart(one, other):
-    return one[2] <= other[0] or other[2] <= one[0] or one[3] <= other[1] or other[3] <= one[1]
 
 
 def bounds():

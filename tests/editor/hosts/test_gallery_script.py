@@ -4,16 +4,11 @@ import json
 
 import numpy as np
 import pytest
-from PIL import Image
 
 from kinetix.level.sets import load_set
+from tests.editor.hosts.outputs import pixels
 
 pytestmark = [pytest.mark.slow, pytest.mark.gl, pytest.mark.usefixtures("software_gl")]
-
-
-def pixels(path) -> np.ndarray:
-    with Image.open(path) as image:
-        return np.asarray(image.convert("RGB")).astype(int)
 
 
 def test_a_set_is_made_of_what_was_searched(run_editor, script, tmp_path):

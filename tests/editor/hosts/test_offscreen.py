@@ -4,14 +4,10 @@ import json
 
 import numpy as np
 import pytest
-from PIL import Image
+
+from tests.editor.hosts.outputs import pixels
 
 pytestmark = [pytest.mark.gl, pytest.mark.usefixtures("software_gl")]
-
-
-def pixels(path) -> np.ndarray:
-    with Image.open(path) as image:
-        return np.asarray(image.convert("RGB")).astype(int)
 
 
 OPEN = '{"do":"open","file":"l/rover_ridge"}'

@@ -1,13 +1,13 @@
 """Replay scripts of the views on a training run: its curriculum, other seeds, reasons of agents."""
 
 import itertools
-import json
 
 import numpy as np
 import pytest
 from PIL import Image
 
 from kinetix.level.codec import load_level
+from tests.editor.hosts.outputs import record
 from tests.editor.hosts.runs import LEVELS, write_run
 
 pytestmark = [pytest.mark.gl, pytest.mark.slow]
@@ -24,10 +24,6 @@ def replay(software_gl, run_editor, script, tmp_path):
         assert done.returncode == 0, done.stderr
 
     return run
-
-
-def record(tmp_path, name):
-    return json.loads((tmp_path / f"{name}.json").read_text())
 
 
 def differ(tmp_path, first, second):

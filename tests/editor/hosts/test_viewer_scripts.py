@@ -6,11 +6,9 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from tests.editor.hosts.outputs import record
+
 pytestmark = [pytest.mark.gl, pytest.mark.slow]
-
-
-def record(tmp_path, name):
-    return json.loads((tmp_path / f"{name}.json").read_text())
 
 
 def differ(tmp_path, first, second):
