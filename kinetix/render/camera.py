@@ -3,10 +3,9 @@
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from kinetix.level.geometry import ARENA_WIDTH
 from kinetix.pytree import pytree
 
-ARENA_SIZE = (ARENA_WIDTH, ARENA_WIDTH)
+ARENA_SIZE = (5.0, 5.0)
 """Width and height of the playable square [m]; its lower left corner is the origin."""
 
 
