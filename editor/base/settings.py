@@ -11,7 +11,7 @@ import msgspec
 from msgspec import Meta
 
 from editor.base.state_file import alone, read_state, state_fault, write_state
-from kinetix.engine.names import PHYSICS
+from kinetix.engine.names import DEFAULT_PHYSICS, PHYSICS
 from kinetix.files.names import is_text
 from kinetix.paths import config_dir
 from kinetix.render.palette import PALETTES
@@ -83,7 +83,7 @@ class Settings:
     """True if rectangles grow from their centre (Alt as a switch)."""
     keep_tool: bool = False
     """True if a tool stays after it has made something."""
-    physics: Annotated[str, Meta(pattern=_one_of(PHYSICS))] = "balanced"
+    physics: Annotated[str, Meta(pattern=_one_of(PHYSICS))] = DEFAULT_PHYSICS
     restart_automatically: bool = False
     language: Annotated[str, Meta(max_length=16)] = "en"
     """Code of the language of the interface; there is a file of words for each but English."""

@@ -15,6 +15,7 @@ from editor.worker.recording import (
     channels_of,
 )
 from editor.worker.requests import Casting, Pull
+from kinetix.engine.names import DEFAULT_PHYSICS
 from kinetix.errors import KinetixError
 from kinetix.level.model import Level
 
@@ -32,7 +33,7 @@ class Playback(Show):
     def __init__(self, simulator: Simulator) -> None:
         self.simulator = simulator
         self.state: State = Editing()
-        self.physics = "balanced"
+        self.physics = DEFAULT_PHYSICS
         """Physics preset that the person has chosen; see `next_physics`."""
         self.speed = 1.0
         """Target, in multiples of real time."""

@@ -8,6 +8,7 @@ from kinetix.bench.metrics import JUDGES, Metric
 from kinetix.bench.motion import Motion
 from kinetix.bench.probes import PROBES
 from kinetix.bench.runner import run_trials
+from kinetix.engine.names import DEFAULT_PHYSICS
 from kinetix.engine.presets import solver_named
 from kinetix.engine.solvers.base import AbstractSolver
 from kinetix.engine.spec import SceneSpec
@@ -24,7 +25,7 @@ class AccuracySettings:
 
     scenes: str = "core"
     """`core`, `all`, or ids with commas between them."""
-    physics: str = "balanced"
+    physics: str = DEFAULT_PHYSICS
     """A preset or a solver."""
 
 

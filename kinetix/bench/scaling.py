@@ -6,6 +6,7 @@ from typing import Any, Final
 
 from kinetix.bench.processes import measured_apart
 from kinetix.bench.scene_speed import scene_speed
+from kinetix.engine.names import DEFAULT_PHYSICS
 from kinetix.engine.presets import solver_named
 from kinetix.scenes.model import Trial
 from kinetix.scenes.stage import Stage
@@ -23,7 +24,7 @@ class ScalingSettings:
     devices: tuple[int, ...]
     size: str = "m"
     """Of the hand-made levels that are cycled over the worlds."""
-    physics: str = "balanced"
+    physics: str = DEFAULT_PHYSICS
 
 
 def measure_scaling(settings: ScalingSettings) -> Iterator[dict[str, Any]]:

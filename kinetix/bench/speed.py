@@ -12,6 +12,7 @@ import jax.numpy as jnp
 from jaxtyping import Array
 
 from kinetix.bench.timing import seconds_of, steps_per_second
+from kinetix.engine.names import DEFAULT_PHYSICS
 from kinetix.engine.pipeline import step as physics_step
 from kinetix.engine.spec import Capacity, Features
 from kinetix.environment.actions import MultiDiscreteActions
@@ -70,7 +71,7 @@ class SpeedSettings:
 
     sizes: tuple[str, ...] = ("s", "m", "l")
     batches: tuple[int, ...] = (1, 64, 1024)
-    physics: str = "balanced"
+    physics: str = DEFAULT_PHYSICS
     observation: str = "none"
     """A kind of observation, or none."""
     levels: Path | None = None

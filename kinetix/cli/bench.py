@@ -12,6 +12,7 @@ from typing import Annotated, Any
 import tyro
 
 from kinetix.cli.terminal import Terminal, announced
+from kinetix.engine.names import DEFAULT_PHYSICS
 from kinetix.errors import KinetixError
 
 
@@ -23,7 +24,7 @@ class MeasureSpeed:
     """Sizes, with commas between them."""
     batches: str = "1,64,1024"
     """Worlds stepped at once, with commas between them."""
-    physics: str = "balanced"
+    physics: str = DEFAULT_PHYSICS
     """Physics preset or solver."""
     observation: str = "none"
     """Kind of observation, or none."""
@@ -53,7 +54,7 @@ class MeasureAccuracy:
 
     scenes: str = "core"
     """core, all, classes such as built, and ids such as B1,D5, with commas between them."""
-    physics: str = "balanced"
+    physics: str = DEFAULT_PHYSICS
     """Physics preset or solver."""
     peer: str | None = None
     """Another engine instead of ours, such as box2d; `make bench-peers` installs them."""
@@ -69,7 +70,7 @@ class MeasureEveryday:
     """Number of scenes."""
     seed: int = 0
     """Of the scenes."""
-    physics: str = "balanced"
+    physics: str = DEFAULT_PHYSICS
     """Physics preset or solver."""
     peer: str | None = None
     """Another engine instead of ours: box2d, pymunk or jax2d; `make bench-peers` installs the first
@@ -90,7 +91,7 @@ class MeasurePeers:
     """Sizes, with commas between them; none leaves the levels out."""
     batch: int = 1024
     """Worlds of the environment step."""
-    physics: str = "balanced"
+    physics: str = DEFAULT_PHYSICS
     """Our physics preset or solver."""
     levels: Path | None = None
     """Folder of levels; by default the bundled ones."""
@@ -115,7 +116,7 @@ class MeasureScaling:
     """Numbers of host devices that the worlds are spread over."""
     size: str = "m"
     """Size of the levels of which there are many worlds."""
-    physics: str = "balanced"
+    physics: str = DEFAULT_PHYSICS
     """Physics preset or solver."""
     chart: Path | None = None
     """Also draw the figures into this PNG file, and keep them beside it as JSON."""

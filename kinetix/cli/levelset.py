@@ -18,6 +18,7 @@ from kinetix.cli.one_core import OneCore
 from kinetix.cli.terminal import announced
 from kinetix.cli.validate import issue_tree, reading_issues
 from kinetix.command_line.paths import NamedPath
+from kinetix.engine.names import DEFAULT_PHYSICS
 from kinetix.errors import KinetixError, LevelError
 from kinetix.files.atomic import backup_of
 from kinetix.files.folders import made_folder
@@ -244,7 +245,7 @@ def verdict_on(each: SetLevel) -> Verdict:
     noop = solution = None
     unplayed = ""
     if playable:
-        physics = level.solution.physics if level.solution else "balanced"
+        physics = level.solution.physics if level.solution else DEFAULT_PHYSICS
         try:
             noop = noop_outcome(level, physics)
             solution = replay_solution(level) if level.solution else None

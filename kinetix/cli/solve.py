@@ -16,6 +16,7 @@ from tyro.conf import Positional
 
 from kinetix.bundled import named_levels
 from kinetix.cli.terminal import announced
+from kinetix.engine.names import DEFAULT_PHYSICS
 from kinetix.errors import KinetixError, LevelError
 from kinetix.files.atomic import backup_of, check_target, write_with_backup
 from kinetix.level.codec import dumps, level_hash, load_document, load_level, save_level
@@ -41,7 +42,7 @@ class Solve:
 
     levels: Annotated[Positional[tuple[str, ...]], tyro.conf.arg(metavar="LEVEL|DIR …")]
     """Level files, names of bundled levels (s/…, m/…, l/…), or folders (every level below)."""
-    physics: str = "balanced"
+    physics: str = DEFAULT_PHYSICS
     """Physics preset or solver."""
     seed: int = 0
     """Seed of the search."""

@@ -8,6 +8,7 @@ import tyro
 
 from kinetix.cli.terminal import Terminal
 from kinetix.command_line.paths import NamedPath
+from kinetix.engine.names import DEFAULT_PHYSICS
 from kinetix.errors import KinetixError
 from kinetix.failures import Terminated, terminable
 from kinetix.wording import plural, thousands
@@ -29,7 +30,7 @@ class Teach:
     """Folder of the data set."""
     seed: int = 0
     """Equal seeds give equal levels."""
-    physics: str = "balanced"
+    physics: str = DEFAULT_PHYSICS
     """Physics preset or solver."""
     rounds: int = 2
     """Rounds of search after which a level is given up."""

@@ -14,8 +14,6 @@ PRESETS: dict[str, AbstractSolver] = {
 """`jax2d` is kinetix-env's engine; `reference` is meant for float64 (`JAX_ENABLE_X64=1`), never for
 training."""
 
-DEFAULT = "balanced"
-
 
 def solver_named(name: str | AbstractSolver) -> AbstractSolver:
     """The solver behind a preset's or a solver's name; a solver is its own.

@@ -5,6 +5,7 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any, Final
 
+from kinetix.engine.names import DEFAULT_PHYSICS
 from kinetix.environment.env import KinetixEnv, make_kinetix_env
 from kinetix.environment.params import (
     EnvParams,
@@ -47,7 +48,7 @@ def make_named_env(
     level: Levels = FIRST_LEVEL,
     action_type: str = "multi_discrete",
     observation_type: str = "symbolic_flat",
-    physics: str = "balanced",
+    physics: str = DEFAULT_PHYSICS,
     *,
     auto_reset: bool = True,
     dense_reward_scale: float | None = None,

@@ -5,6 +5,7 @@ from typing import Any, Final, Literal
 
 from jax.core import Tracer
 
+from kinetix.engine.names import DEFAULT_PHYSICS
 from kinetix.engine.presets import solver_named
 from kinetix.engine.solvers import AbstractSolver, PgsBaumgarte
 from kinetix.engine.spec import ARENA_BODIES, Capacity, Features, SceneSpec
@@ -132,7 +133,7 @@ class StaticEnvParams:
     """Action channels of motors."""
     num_thruster_bindings: int = static(default=2)
     """Action channels of thrusters."""
-    physics: str | AbstractSolver = static(default="balanced")
+    physics: str | AbstractSolver = static(default=DEFAULT_PHYSICS)
     """Physics preset, or a solver's name at its default settings."""
     touch_includes_joined: bool = static(default=True)
     """True if two bodies of one jointed component that overlap count as touching."""

@@ -8,6 +8,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array
 
+from kinetix.engine.names import DEFAULT_PHYSICS
 from kinetix.engine.presets import solver_named
 from kinetix.environment.env import KinetixEnv, make_kinetix_env
 from kinetix.environment.episode import Episode, play_episode, play_until
@@ -59,7 +60,7 @@ def play_solution(level: Level, physics: str | None = None) -> Episode:
     )
 
 
-def noop_outcome(level: Level, physics: str = "balanced") -> Outcome:
+def noop_outcome(level: Level, physics: str = DEFAULT_PHYSICS) -> Outcome:
     """Return how a level ends when nothing is done; a level that wins itself is no task.
 
     Raises:
@@ -94,7 +95,7 @@ def play_actions(
     level: Level,
     actions: Sequence[Sequence[int]],
     *,
-    physics: str = "balanced",
+    physics: str = DEFAULT_PHYSICS,
     frame_skip: int = LEVEL_FRAME_SKIP,
 ) -> Episode:
     """Play multi-discrete actions from a level's start, until the episode ends or they run out.
@@ -110,7 +111,7 @@ def state_after(
     level: Level,
     actions: Sequence[Sequence[int]],
     *,
-    physics: str = "balanced",
+    physics: str = DEFAULT_PHYSICS,
     frame_skip: int = LEVEL_FRAME_SKIP,
 ) -> EnvState | None:
     """Return the state in which `play_actions` leaves a level; None where the episode is over.

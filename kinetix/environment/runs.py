@@ -14,6 +14,7 @@ import numpy as np
 from jax.core import Tracer
 from jaxtyping import Array, Float, Int
 
+from kinetix.engine.names import DEFAULT_PHYSICS
 from kinetix.engine.pipeline import step
 from kinetix.engine.presets import solver_named
 from kinetix.engine.promotion import usual_promotion
@@ -93,7 +94,7 @@ def simulate(
     level: Level | str | Path,
     seconds: float,
     *,
-    physics: str | AbstractSolver = "balanced",
+    physics: str | AbstractSolver = DEFAULT_PHYSICS,
     actions: Any = None,
     dt: float = 1 / 60,
     specialised: bool = True,

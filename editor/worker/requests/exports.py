@@ -8,6 +8,7 @@ import numpy as np
 from jaxtyping import UInt8
 
 from editor.worker.recording import Trace
+from kinetix.engine.names import DEFAULT_PHYSICS
 from kinetix.level.model import Level
 
 
@@ -24,7 +25,7 @@ class RenderState:
     size: tuple[int, int]
     centre: tuple[float, float]
     scale: float
-    physics: str = "balanced"
+    physics: str = DEFAULT_PHYSICS
     palette: str = "kinetix"
     glyphs: bool = True
     patterns: bool = False

@@ -3,6 +3,7 @@
 import dataclasses
 from typing import Final
 
+from kinetix.engine.names import DEFAULT_PHYSICS
 from kinetix.environment.outcome import Outcome
 from kinetix.level.model import Level
 
@@ -47,7 +48,7 @@ class CheckDynamics:
     """Play the no-op and random actions in a level (I301, I302). Gives a `DynamicsReport`."""
 
     level: Level
-    physics: str = "balanced"
+    physics: str = DEFAULT_PHYSICS
     attempts: int = 64
 
 

@@ -2,6 +2,7 @@
 
 import dataclasses
 
+from kinetix.engine.names import DEFAULT_PHYSICS
 from kinetix.level.model import Level
 
 
@@ -13,7 +14,7 @@ class WarmUp:
     """
 
     sizes: tuple[str, ...] = ("s", "m", "l")
-    physics: str = "balanced"
+    physics: str = DEFAULT_PHYSICS
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)

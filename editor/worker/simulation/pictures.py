@@ -19,6 +19,7 @@ from editor.worker.recording import ENGINE_STEPS_PER_SECOND, Snapshot, Trace
 from editor.worker.requests import ExportFilm, ExportPicture, Image, Progress, RenderState
 from editor.worker.simulation.stepping import start_state, without_memory
 from editor.worker.trace_pages import film_of_trace
+from kinetix.engine.names import DEFAULT_PHYSICS
 from kinetix.environment.state import EnvState
 from kinetix.errors import KinetixError, LevelError
 from kinetix.files.atomic import replacing
@@ -73,7 +74,7 @@ def palette_named(name: str) -> Palette:
     return PALETTES[name]
 
 
-def _state(level: Level, state: Any, physics: str = "balanced") -> EnvState:
+def _state(level: Level, state: Any, physics: str = DEFAULT_PHYSICS) -> EnvState:
     seen = without_memory(start_state(level, physics) if state is None else state)
     return on_device(seen)
 

@@ -11,6 +11,7 @@ from kinetix.bench.everyday.judge import LIMITS, Recorded, bad, excess, judge
 from kinetix.bench.everyday.ours import record
 from kinetix.bench.everyday.peers import record_peer
 from kinetix.bench.peers.catalogue import peer_named
+from kinetix.engine.names import DEFAULT_PHYSICS
 from kinetix.engine.presets import solver_named
 from kinetix.errors import KinetixError, LevelError
 from kinetix.level.codec import save_level
@@ -26,7 +27,7 @@ class EverydaySettings:
 
     count: int = 500
     seed: int = 0
-    physics: str = "balanced"
+    physics: str = DEFAULT_PHYSICS
     peer: str | None = None
     """One of `PEERS`; None: our engine."""
     classes: tuple[str, ...] = tuple(CLASSES)

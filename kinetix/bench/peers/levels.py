@@ -12,6 +12,7 @@ from kinetix.bench.peers.exchange import scene_of
 from kinetix.bench.peers.launch import Peer, ask
 from kinetix.bench.processes import host_devices, measured_apart
 from kinetix.bench.speed import levels_of
+from kinetix.engine.names import DEFAULT_PHYSICS
 from kinetix.errors import KinetixError
 from kinetix.level.codec import load_level, save_level
 from kinetix.level.sizes import parse_capacity
@@ -31,7 +32,7 @@ class LevelSettings:
     sizes: tuple[str, ...] = ("s", "m", "l")
     batch: int = 1024
     """Worlds of the environment step; the bare engine is also measured with one."""
-    physics: str = "balanced"
+    physics: str = DEFAULT_PHYSICS
     levels: Path | None = None
     """Folder of levels; the bundled ones by default."""
     devices: tuple[int, ...] = (1, 2)

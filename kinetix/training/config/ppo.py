@@ -5,6 +5,7 @@ import math
 from typing import ClassVar, Final, Literal, get_args
 
 from kinetix.agents.networks.config import OBSERVATIONS_OF_KIND, NetworkConfig
+from kinetix.engine.names import DEFAULT_PHYSICS
 from kinetix.errors import KinetixError
 from kinetix.training.ranges import check_ranges
 from kinetix.wording import thousands
@@ -54,7 +55,7 @@ class PpoConfig:
     demo_starts: float = 0.0
     """Share of the episodes that begin somewhere on the way of a win of `levels`: the recorded
     solution, or one that is searched for. Random levels have none."""
-    physics: str = "balanced"
+    physics: str = DEFAULT_PHYSICS
     """Physics preset or solver."""
     parity: Literal["kinetix-3"] | None = None
     """`kinetix-3`: everything as in kinetix-env 3.0.2."""

@@ -17,6 +17,7 @@ import numpy as np
 from kinetix.datasets.episode import RecordedEpisode, winning_plan
 from kinetix.datasets.folder import read_manifest, writing
 from kinetix.datasets.replays import checked
+from kinetix.engine.names import DEFAULT_PHYSICS
 from kinetix.engine.presets import solver_named
 from kinetix.environment.generators.documents import random_document
 from kinetix.environment.generators.filters import noop_solved
@@ -60,7 +61,7 @@ class TeachConfig:
     """s, m, l, locomotion, or four capacities such as 12,4,6,2."""
     seed: int = 0
     """Equal seeds give equal levels."""
-    physics: str = "balanced"
+    physics: str = DEFAULT_PHYSICS
     """Physics preset or solver."""
     rounds: int = 2
     """Rounds after which a level is given up."""
