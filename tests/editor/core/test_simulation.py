@@ -272,10 +272,11 @@ def test_an_mp4_is_written(perform, episode, tmp_path):
     assert path.read_bytes()[4:8] == b"ftyp"
 
 
-def test_the_table_of_mutations_is_the_generators():
-    from kinetix.environment.generators import documents
+def test_every_mutation_is_on_offer():
+    from kinetix.environment.generators.mutators import MUTATORS
 
-    assert dict(MUTATIONS) == dict(documents.MUTATIONS)
+    assert {name for name, _ in MUTATIONS} == set(MUTATORS)
+    assert len({label for _, label in MUTATIONS}) == len(MUTATIONS)
 
 
 def test_random_levels_and_mutations_are_sound(perform):
