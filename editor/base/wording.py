@@ -5,7 +5,9 @@ from typing import Final
 
 from editor.base.language import tr
 from editor.base.memory import remembers
-from kinetix.level.model import ArenaBody, Body, Circle, Entity, Joint, Level, Record, Thruster
+from kinetix.level.model import ArenaBody, Body, Entity, Joint, Level, Record, Thruster
+from kinetix.level.validate import issue
+from kinetix.level.validate.issue import capital
 from kinetix.wording import plural
 
 _NOUNS: Final = {Body: "shape", Joint: "joint", Thruster: "thruster", ArenaBody: "arena part"}
@@ -25,22 +27,6 @@ UNTITLED: Final = "Untitled"
 def title_of(level: Level) -> str:
     """Return what a level is called in the language of the app: by the name that it was given."""
     return tr(UNTITLED) if level.name == UNTITLED else level.name
-
-
-def shape_name(body: Body) -> str:
-    """Circle, triangle or rectangle (any four corners)."""
-    if isinstance(body.shape, Circle):
-        return "circle"
-    return "triangle" if len(body.shape.vertices) == 3 else "rectangle"
-
-
-def kind_name(record: Record) -> str:
-    """Return an entity's kind in one word."""
-    if isinstance(record, Body):
-        return shape_name(record)
-    if isinstance(record, Joint):
-        return "weld" if record.kind == "fixed" else "joint"
-    return "thruster"
 
 
 def counts(records: Sequence[Record]) -> str:
@@ -76,5 +62,4 @@ def entities_by_id(level: Level) -> Mapping[int, Entity]:
 
 def plain_name(entity: Entity) -> str:
     """Return what an entity without a name is called: "Green circle 3", "Weld 7"."""
-    role = f"{entity.role} " if isinstance(entity, Body) and entity.role != "none" else ""
-    return f"{role}{kind_name(entity)} {entity.id}".capitalize()
+    return capital(issue.plain_name(entity))

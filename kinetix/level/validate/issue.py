@@ -3,7 +3,7 @@
 import dataclasses
 from typing import Literal
 
-from kinetix.level.model import Body, BodyReference, Entity, Joint, Polygon, Thruster
+from kinetix.level.model import Body, BodyReference, Entity, Joint, Polygon
 
 Severity = Literal["error", "warning", "info"]
 
@@ -43,24 +43,23 @@ def describe(reference: BodyReference, entity: Entity | None = None) -> str:
     """Return its own name, or what it is: `green circle 4`, `weld 8`, `the left wall`."""
     if isinstance(reference, str):
         return f"the {reference.replace('_', ' ')}"
-    if entity is not None and entity.name:
-        return entity.name
-    kind = "entity"
-    if isinstance(entity, Body):
-        kind = _shape_word(entity)
-    elif isinstance(entity, Joint):
+    if entity is None:
+        return f"entity {reference}"
+    return entity.name or plain_name(entity)
+
+
+def plain_name(entity: Entity) -> str:
+    """Return what an entity without a name is called; any four corners are a rectangle."""
+    kind = "thruster"
+    if isinstance(entity, Joint):
         kind = "weld" if entity.kind == "fixed" else "joint"
-    elif isinstance(entity, Thruster):
-        kind = "thruster"
-    return f"{kind} {reference}"
-
-
-def _shape_word(body: Body) -> str:
-    """Role and shape; any four corners are called a rectangle."""
-    noun = "circle"
-    if isinstance(body.shape, Polygon):
-        noun = "triangle" if len(body.shape.vertices) == 3 else "rectangle"
-    return noun if body.role == "none" else f"{body.role} {noun}"
+    elif isinstance(entity, Body):
+        kind = "circle"
+        if isinstance(entity.shape, Polygon):
+            kind = "triangle" if len(entity.shape.vertices) == 3 else "rectangle"
+        if entity.role != "none":
+            kind = f"{entity.role} {kind}"
+    return f"{kind} {entity.id}"
 
 
 def capital(text: str) -> str:
