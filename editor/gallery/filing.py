@@ -3,6 +3,7 @@
 import dataclasses
 import datetime
 import errno
+import itertools
 import os
 import shutil
 import sys
@@ -12,6 +13,7 @@ from pathlib import Path
 from typing import Final
 
 from kinetix.errors import LevelError
+from kinetix.files.names import first_free, shortened
 from kinetix.level.codec import load_document, save_level
 from kinetix.paths import levels_dir, state_dir, user_levels_dir
 
@@ -38,10 +40,6 @@ def stem_of(name: str) -> str:
     return "_".join(kept.lower().split())[:80] or "level"
 
 
-LONGEST_NAME: Final = 255
-"""Bytes of a file's name on the usual file systems."""
-
-
 def free_path(path: Path, *, room: int = 0) -> Path:
     """The path, with a number when something is there already; a name that is too long is cut.
 
@@ -49,18 +47,9 @@ def free_path(path: Path, *, room: int = 0) -> Path:
         path: The wish.
         room: Bytes that the name has to leave, for an ending that will be added.
     """
-    candidate, number = _named(path, "", room), 2
-    while os.path.lexists(candidate):
-        candidate = _named(path, f"_{number}", room)
-        number += 1
-    return candidate
-
-
-def _named(path: Path, ending: str, room: int) -> Path:
-    stem = path.stem
-    while len(os.fsencode(f"{stem}{ending}{path.suffix}")) + room > LONGEST_NAME and stem:
-        stem = stem[:-1]
-    return path.with_name(f"{stem}{ending}{path.suffix}")
+    numbers = itertools.chain(("",), (f"_{number}" for number in itertools.count(2)))
+    names = (shortened(path.stem, f"{number}{path.suffix}", room=room) for number in numbers)
+    return first_free(map(path.with_name, names))
 
 
 def rename(path: Path, name: str) -> Path:

@@ -5,8 +5,7 @@ from pathlib import Path
 from typing import Final
 
 from editor.base.prompts import FileQuestion
-from editor.gallery.filing import LONGEST_NAME
-from kinetix.files.names import is_text
+from kinetix.files.names import LONGEST_NAME, is_text
 from kinetix.paths import user_levels_dir
 
 LEVEL: Final = ".json"

@@ -13,12 +13,11 @@ from pathlib import Path
 from typing import Final
 
 from kinetix.errors import LevelError
+from kinetix.files.names import first_free, shortened
 
 _PREFIX: Final = ".kinetix-"
 _ENDING: Final = ".tmp"
 _BACKUP: Final = ".bak"
-_LONGEST_NAME: Final = 255
-"""Longest name that file systems take [bytes]."""
 _MOST_LINKS: Final = 40
 """Links that lead to links: systems follow no more."""
 _STALE: Final = 3600.0
@@ -111,15 +110,11 @@ def backup_of(path: Path) -> Path:
 
 def free_backup(path: Path) -> Path:
     """Return the first of `NAME.bak2`, `NAME.bak3` and so on that is free."""
-    names = (_beside(path, f"{_BACKUP}{number}") for number in itertools.count(2))
-    return next(name for name in names if not os.path.lexists(name))
+    return first_free(_beside(path, f"{_BACKUP}{number}") for number in itertools.count(2))
 
 
 def _beside(path: Path, ending: str) -> Path:
-    kept = path.name
-    while len(os.fsencode(kept)) + len(ending) > _LONGEST_NAME:
-        kept = kept[:-1]
-    return path.with_name(f"{kept}{ending}")
+    return path.with_name(shortened(path.name, ending))
 
 
 def _make_room(path: Path, data: bytes) -> None:

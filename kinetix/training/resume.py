@@ -1,5 +1,6 @@
 """The stored states of a run: the two newest, each with a digest; the newest sound one resumes."""
 
+import itertools
 import os
 import shutil
 from collections.abc import Callable
@@ -12,6 +13,7 @@ from kinetix.agents.checkpoint import CARD, RUN_CHECKPOINTS, steps_of_run
 from kinetix.agents.directories import bring_back
 from kinetix.errors import KinetixError
 from kinetix.files.json_text import read_json
+from kinetix.files.names import first_free
 from kinetix.training.state import STATE, load_state, save_state
 from kinetix.wording import misfit
 
@@ -138,11 +140,8 @@ def put_aside(damaged: list[Path]) -> None:
 
 def damaged_name(path: Path) -> Path:
     """Return a free name beside a file or folder that cannot be read."""
-    name, number = path.with_name(f"{path.name}{DAMAGED}"), 2
-    while os.path.lexists(name):
-        name = path.with_name(f"{path.name}{DAMAGED}{number}")
-        number += 1
-    return name
+    numbers = itertools.chain(("",), itertools.count(2))
+    return first_free(path.with_name(f"{path.name}{DAMAGED}{number}") for number in numbers)
 
 
 def recover(out: Path) -> None:

@@ -176,4 +176,4 @@ NETWORK_PRESETS: dict[str, NetworkConfig] = {
     "flat": NetworkConfig(kind="flat_mlp"),
     "pixels": NetworkConfig(kind="cnn"),
 }
-"""Networks with names, for configurations and the command line."""
+"""The published networks, and ours, by names."""
