@@ -426,7 +426,7 @@ def test_of_an_unknown_observation_all_are_listed(capsys):
 
 
 def test_every_command_takes_a_number_of_cores(capsys):
-    for name in set(cli.COMMANDS) - {"bench"}:
+    for name in cli.COMMANDS:
         module = importlib.import_module(f"kinetix.cli.{name}")
         form = getattr(module, name.capitalize())
         for each in get_args(form) or (form,):
