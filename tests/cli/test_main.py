@@ -53,6 +53,15 @@ def test_unknown_argument_is_wrong_usage(capsys):
     assert "no-such-option" in capsys.readouterr().err
 
 
+def test_an_unknown_command_of_the_second_level_is_one_sentence(capsys):
+    assert cli.main(["train", "foo", "--out", "r2"]) == 2
+    said = capsys.readouterr().err
+    assert said == "kinetix train: 'foo' is not a command; there are accel, bc, dr, plr, ppo, sfl\n"
+    assert cli.main(["levelset", "bulid"]) == 2
+    said = capsys.readouterr().err
+    assert said == "kinetix levelset: 'bulid' is not a command; did you mean 'build'?\n"
+
+
 def test_a_mistyped_option_points_to_the_help_of_its_command(capsys):
     assert cli.main(["train", "ppo", "--out", "r0", "--lerning-rate", "1e-3"]) == 2
     said = capsys.readouterr().err
