@@ -24,8 +24,8 @@ def lazy_names(
         module: Name of the module that calls this.
         home: The module that defines each name.
         submodules: Modules of the package that are found as its attributes.
-        kinetix_env: Whether names of kinetix-env that the module does not have itself are found as
-            well (`kinetix.compat`).
+        kinetix_env: Whether names and modules of kinetix-env that the module does not have itself
+            are found as well (`kinetix.compat`).
     """
     homes, submodules = dict(home or {}), frozenset(submodules)
 
@@ -38,6 +38,8 @@ def lazy_names(
             of_kinetix_env = importlib.import_module("kinetix.compat.names")
             if name in of_kinetix_env.MODULES.get(module, ()):
                 return of_kinetix_env.find(module, name)
+            if f"{module}.{name}" in of_kinetix_env.MODULES:
+                return importlib.import_module(f"{module}.{name}")
         told = f"; {hint(name, homes)}" if homes else ""
         raise AttributeError(f"module {module!r} has no attribute {name!r}{told}")
 

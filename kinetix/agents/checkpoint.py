@@ -32,6 +32,7 @@ def write_checkpoint(
     params: Tree,
     *,
     extra: Callable[[Path], None] | None = None,
+    replace: bool = False,
 ) -> None:
     """Write a checkpoint: complete or not at all.
 
@@ -43,14 +44,15 @@ def write_checkpoint(
         card: The agent's description.
         params: Its parameters (the tree below "params").
         extra: Writes what lies beside them, into the directory that it is given.
+        replace: Whether a folder that holds no agent is replaced too.
 
     Raises:
         CheckpointError: The target is not a checkpoint, or cannot be written.
     """
     if os.path.exists(directory) and not os.path.isdir(directory):
         raise CheckpointError(f"{directory}: expected a folder, got a file; choose another place")
-    is_agent = os.path.isfile(directory / CARD)
-    if os.path.exists(directory) and any(directory.iterdir()) and not is_agent:
+    replaced = replace or os.path.isfile(directory / CARD)
+    if os.path.exists(directory) and any(directory.iterdir()) and not replaced:
         raise CheckpointError(f"{directory}: is not empty and holds no agent; choose another place")
     shapes = {name: tuple(leaf.shape) for name, leaf in flatten(params)}
     with replacing_directory(directory) as temporary:

@@ -11,7 +11,9 @@ from typing import Annotated, Any
 
 import tyro
 
+from kinetix.cli.one_core import OneCore
 from kinetix.cli.terminal import Terminal, announced
+from kinetix.cores import wanted_cores
 from kinetix.engine.names import DEFAULT_PHYSICS
 from kinetix.errors import KinetixError
 
@@ -41,7 +43,7 @@ class MeasureSpeed:
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
-class MeasureRender:
+class MeasureRender(OneCore):
     """Frames per second of the renderers."""
 
     json: bool = False
@@ -49,7 +51,7 @@ class MeasureRender:
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
-class MeasureAccuracy:
+class MeasureAccuracy(OneCore):
     """Errors of the engine in scenes with known answers."""
 
     scenes: str = "core"
@@ -63,7 +65,7 @@ class MeasureAccuracy:
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
-class MeasureEveryday:
+class MeasureEveryday(OneCore):
     """Measure how often things that people build go wrong, in scenes that a seed determines."""
 
     count: int = 500
@@ -84,7 +86,7 @@ class MeasureEveryday:
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
-class MeasurePeers:
+class MeasurePeers(OneCore):
     """Speed of other engines and of ours, in turn, on levels; then their part of the chart."""
 
     sizes: str = "s,m,l"
@@ -100,12 +102,14 @@ class MeasurePeers:
     commas between them, defaults (each engine's), all (their other settings too) or none."""
     results: Path = Path("bench")
     """Folder for the measured rows."""
+    cores: int | None = None
+    """Processor cores that many worlds are spread over (KINETIX_CORES, else all)."""
     json: bool = False
     """Print one JSON object a figure on stdout, and nothing else there."""
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
-class MeasureScaling:
+class MeasureScaling(OneCore):
     """Steps per second and compile time against the number of bodies and of worlds."""
 
     bodies: str = "8,16,32,64,128,256"
@@ -120,12 +124,14 @@ class MeasureScaling:
     """Physics preset or solver."""
     chart: Path | None = None
     """Also draw the figures into this PNG file, and keep them beside it as JSON."""
+    cores: int | None = None
+    """Processor cores to use at most: larger numbers of --devices are left out."""
     json: bool = False
     """Print one JSON object a figure on stdout, and nothing else there."""
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
-class DrawChart:
+class DrawChart(OneCore):
     """Speed against error: measure our part, and draw it with what is stored of other engines."""
 
     out: Path = Path("docs")
@@ -138,6 +144,8 @@ class DrawChart:
     first."""
     quick: bool = False
     """Measure fast, balanced and accurate only, with many worlds."""
+    cores: int | None = None
+    """Processor cores that many worlds are spread over (KINETIX_CORES, else all)."""
     json: bool = False
     """Print the chart's data on stdout, and nothing else there."""
 
@@ -243,13 +251,14 @@ def _peers(command: MeasurePeers) -> Iterable[dict[str, Any]]:
         yield row
     yield from ratios(rows)
     for peer in peers:
-        yield from measure_for_chart(peer, command.results)
+        yield from measure_for_chart(peer, command.results, command.cores or wanted_cores())
 
 
 def _scaling(command: MeasureScaling) -> Iterable[dict[str, Any]]:
     bodies = _integers("--bodies", command.bodies)
     worlds = _integers("--worlds", command.worlds)
     devices = _integers("--devices", command.devices)
+    devices = tuple(count for count in devices if count <= (command.cores or count))
     if not (bodies or worlds or devices):
         raise KinetixError("--bodies, --worlds and --devices are none: there is nothing to measure")
     from kinetix.bench.scaling import ScalingSettings, measure_scaling
@@ -346,6 +355,7 @@ def _chart(command: DrawChart) -> int:
         results=command.results,
         physics=QUICK if command.quick else physics,
         batches=BATCHES[-1:] if command.quick else BATCHES,
+        cores=command.cores or wanted_cores(),
     )
     data = build_chart(settings, lambda text: print(text, file=sys.stderr, flush=True))
     if command.json:

@@ -15,7 +15,14 @@ from kinetix.bundled import named_levels, refuse_empty
 from kinetix.cli.one_core import OneCore
 from kinetix.errors import LevelError, plain
 from kinetix.failures import crash_sentence
-from kinetix.level.codec import LEVELSET_FORMAT, LoadedLevel, load_document, resolve_path
+from kinetix.level.codec import (
+    LEVELSET_FORMAT,
+    LoadedLevel,
+    format_of,
+    load_document,
+    resolve_path,
+)
+from kinetix.level.json_text import parse_json, read_text
 from kinetix.level.sets import is_set_file, issues_in_file, json_files, load_set
 from kinetix.level.validate import Issue, has_errors, validate
 
@@ -36,7 +43,7 @@ class FileReport:
 
     file: str
     format: str | None
-    """Format of the file; None where it could not be read."""
+    """Format that the file says it has; None where it says none or is no JSON."""
     issues: tuple[Issue, ...]
 
     @property
@@ -78,6 +85,7 @@ def named_files(files: tuple[str, ...]) -> Iterator[str]:
 
 def file_report(file: str) -> FileReport:
     """The problems of one file, those of reading it included."""
+    path = None
     try:
         if os.path.isdir(file):
             raise LevelError(f"{file}: expected level files in this folder, found none")
@@ -91,12 +99,20 @@ def file_report(file: str) -> FileReport:
             dataclasses.replace(issue, message=issue.message.removeprefix(f"{file}: "))
             for issue in reading_issues(error)
         ]
-        return FileReport(file=file, format=None, issues=tuple(found))
+        return FileReport(file=file, format=_told_format(path), issues=tuple(found))
     except Exception as error:  # a fault of ours in one file must not hide the others
         message = crash_sentence(error, "kinetix validate", [file])
         issue = Issue(code="E001", severity="error", path="$", message=message)
         return FileReport(file=file, format=None, issues=(issue,))
     return FileReport(file=file, format=loaded.format, issues=issues)
+
+
+def _told_format(path: Path | None) -> str | None:
+    """The format that a file says it has, though its content is bad."""
+    try:
+        return None if path is None else format_of(parse_json(read_text(path, "set"), str(path)))
+    except LevelError:
+        return None
 
 
 def _level_issues(loaded: LoadedLevel) -> Iterator[Issue]:

@@ -4,12 +4,13 @@ import os
 import re
 import sys
 from collections.abc import Sequence
-from typing import Final, TypeVar
+from typing import Any, Final, TypeVar, get_args
 
 import tyro
 
 from kinetix.command_line.options import OPTIONS
 from kinetix.command_line.program import Program
+from kinetix.lazy import hint
 
 _FEWEST_COLUMNS: Final = 40
 """In fewer, tyro sets the help one letter a line; in less than some six it never ends."""
@@ -38,6 +39,7 @@ def parse(
     columns = os.environ.get("COLUMNS", "")
     if columns.isdecimal() and int(columns) < _FEWEST_COLUMNS:
         os.environ["COLUMNS"] = str(_FEWEST_COLUMNS)
+    _check_subcommand(command, program, words)
     try:
         return tyro.cli(
             command,
@@ -53,6 +55,15 @@ def parse(
             # Of some mistakes tyro names the help of the whole command, which has no options.
             sys.stderr.write(f"The options: {program} {first[0]} --help\n")
         raise
+
+
+def _check_subcommand(command: Any, program: str, words: Sequence[str]) -> None:
+    """End the process where the first word names none: tyro lists whatever resembles the rest."""
+    names = [get_args(each)[1].name for each in get_args(command)]
+    if names and words and not words[0].startswith("-") and words[0] not in names:
+        told = hint(words[0], names, listing="there are")
+        sys.stderr.write(f"{program}: {words[0]!r} is not a command; {told}\n")
+        raise SystemExit(2)
 
 
 def _as_a_shell_gives_it(word: str) -> str:

@@ -2,50 +2,46 @@
 
 from typing import Any
 
-import jax.numpy as jnp
-
 from kinetix.environment import actions, observations
 from kinetix.environment.actions import AbstractAction
 from kinetix.environment.observations import AbstractObservation, Layout
 from kinetix.environment.params import EnvParams, StaticEnvParams
-from kinetix.environment.state import EnvState
-from kinetix.level.compile import Labels
 
 
 class _ObservationForm:
-    """kinetix-env's way to make an observation."""
+    """kinetix-env's way to make an observation; without the records `make_kinetix_env` fits it."""
 
     def __init__(
-        self, env_params: EnvParams, static_env_params: StaticEnvParams, **options: Any
+        self,
+        env_params: EnvParams | None = None,
+        static_env_params: StaticEnvParams | None = None,
+        *,
+        layout: Layout | None = None,
+        **options: Any,
     ) -> None:
         make: Any = super().__init__
-        make(layout=Layout.of(env_params, static_env_params), **options)
+        if layout is None:
+            layout = Layout.of(env_params or EnvParams(), static_env_params or StaticEnvParams())
+        make(layout=layout, **options)
 
 
 class _ActionForm:
-    """kinetix-env's way to make and to use a kind of action."""
+    """kinetix-env's way to make a kind of action."""
 
-    def __init__(self, env_params: EnvParams, static_env_params: StaticEnvParams) -> None:
+    def __init__(
+        self,
+        env_params: EnvParams | None = None,
+        static_env_params: StaticEnvParams | None = None,
+        **bindings: int,
+    ) -> None:
         del env_params
         make: Any = super().__init__
-        make(
-            motor_bindings=static_env_params.num_motor_bindings,
-            thruster_bindings=static_env_params.num_thruster_bindings,
-        )
-
-    def process_action(
-        self,
-        action: Any,
-        state: EnvState | Labels,
-        static_env_params: StaticEnvParams | None = None,
-    ) -> Any:
-        """Return one number per joint, then one per thruster; of labels alone, the control."""
-        process: Any = super().process_action  # pyright: ignore[reportAttributeAccessIssue]
-        if not isinstance(state, EnvState):
-            return process(action, state)
-        del static_env_params
-        control = process(action, state.labels)
-        return jnp.concatenate([control.motor, control.thruster])
+        if static_env_params is not None:
+            bindings = {
+                "motor_bindings": static_env_params.num_motor_bindings,
+                "thruster_bindings": static_env_params.num_thruster_bindings,
+            }
+        make(**bindings)
 
 
 def _formed(form: type, kind: type, name: str) -> Any:

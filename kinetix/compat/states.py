@@ -51,8 +51,7 @@ def _engine_vector(
     actions = kind(
         motor_bindings=static.num_motor_bindings, thruster_bindings=static.num_thruster_bindings
     )
-    control = actions.process_action(action, state.labels)
-    return jnp.concatenate([control.motor, control.thruster])
+    return actions.process_action(action, state)
 
 
 def convert_continuous_actions(

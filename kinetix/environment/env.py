@@ -1,6 +1,7 @@
 """The environment: reset, step and observation of one level, batched by `vmap`."""
 
 import dataclasses
+import functools
 from collections.abc import Callable
 from typing import Any, Self
 
@@ -243,9 +244,11 @@ KinetixEnv.__setattr__ = set_method
 
 
 def make_kinetix_env(  # noqa: PLR0913 (the public signature)
-    action_type: ActionType | str | type[AbstractAction] = ActionType.MULTI_DISCRETE,
+    action_type: (
+        ActionType | str | AbstractAction | type[AbstractAction]
+    ) = ActionType.MULTI_DISCRETE,
     observation_type: (
-        ObservationType | str | type[AbstractObservation]
+        ObservationType | str | AbstractObservation | type[AbstractObservation]
     ) = ObservationType.SYMBOLIC_ENTITY,
     reset_fn: ResetFunction | None = None,
     env_params: EnvParams | None = None,
@@ -259,8 +262,9 @@ def make_kinetix_env(  # noqa: PLR0913 (the public signature)
     """Make an environment.
 
     Args:
-        action_type: Kind of action, its name, or a class of one's own.
-        observation_type: Kind of observation, its name, or a class of one's own.
+        action_type: Kind of action, its name, or a class of one's own or an object of one.
+        observation_type: Likewise of observation. An object keeps its options; the sizes are those
+            of the environment.
         reset_fn: Draws the state in which an episode starts; None: levels are given to `reset`
             and `step` as overrides.
         env_params: Parameters that need no compilation.
@@ -303,7 +307,9 @@ def make_kinetix_env(  # noqa: PLR0913 (the public signature)
 
 
 def _kind(value: Any, base: type, argument: str, names: Any, table: dict[str, Any]) -> Any:
-    """The class that a value means: itself, or one from the table by its name."""
+    """What makes the kind that a value means: a class, or the options of an object of one."""
+    if isinstance(value, base):
+        return functools.partial(dataclasses.replace, value)
     if isinstance(value, type) and issubclass(value, base):
         return value
     name = value if isinstance(value, type) else getattr(value, "value", value)

@@ -82,12 +82,11 @@ def make_named_env(
         params = EnvParams()
         reset_fn = make_reset_fn_sample_kinetix_level(params, static)
     else:
-        several: Any = level
-        if isinstance(level, str | Path) and not _has_several(level):
-            _, static, params = load_from_json_file(level, physics=physics)
+        several: Any = one_by_one(level)
+        if isinstance(several, str | Path):
+            _, static, params = load_from_json_file(several, physics=physics)
             static = static.replace(**changes)  # pyright: ignore[reportAttributeAccessIssue]
         else:
-            several = _all_of(level)
             longest = max(each.level.max_timesteps for each in several)
             params = EnvParams(max_timesteps=longest)
             capacity = common_capacity(each.level for each in several)
@@ -100,6 +99,35 @@ def make_named_env(
         action_type, observation_type, reset_fn, params, static, auto_reset=auto_reset
     )
     return env
+
+
+def one_by_one(level: Levels) -> str | Path | list[SetLevel]:
+    """The levels of an environment, where it has several or is given documents.
+
+    Args:
+        level: As for `make_named_env`, which also takes what this returns.
+
+    Returns:
+        The levels; a single name or file, and the word for random levels, as they are.
+
+    Raises:
+        KinetixError: There is none, or something else among them.
+    """
+    is_name = isinstance(level, str | Path)
+    if is_name and (str(level).endswith(RANDOM) or not _has_several(level)):
+        return level
+    return _all_of(level)
+
+
+def level_names(levels: str | Path | list[SetLevel]) -> tuple[str, ...]:
+    """The names of an environment's levels, in the order of their places; of random ones none.
+
+    Args:
+        levels: From `one_by_one`.
+    """
+    if isinstance(levels, str | Path):
+        return () if str(levels).endswith(RANDOM) else (str(levels),)
+    return tuple(each.name for each in levels)
 
 
 def _has_several(name: str | Path) -> bool:

@@ -146,8 +146,12 @@ class StaticEnvParams:
         """Keep a list or an array of sides as a tuple, and an array of one as its number.
 
         So both can be hashed.
+
+        Raises:
+            KinetixError: There is no such physics.
         """
         plain_numbers(self)
+        solver_named(self.physics)
         object.__setattr__(self, "screen_dim", hashable(self.screen_dim))
 
     @property

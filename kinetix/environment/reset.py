@@ -85,12 +85,16 @@ class _OneOf:
     def __call__(self, key: Array) -> EnvState:
         """Draw the start of an episode."""
         refuse_forked_process()
-        index: Any = 0
-        if self.edges.size:
-            check_draw(key)
-            drawn = jax.random.uniform(key)
-            index = jnp.sum(drawn >= jnp.asarray(self.edges, drawn.dtype), dtype=jnp.int32)
+        index = self.index(key)
         return jax.tree.map(lambda x: x[index], self.levels)
+
+    def index(self, key: Array) -> Any:
+        """Return the place of the level that a key draws."""
+        if not self.edges.size:
+            return 0
+        check_draw(key)
+        drawn = jax.random.uniform(key)
+        return jnp.sum(drawn >= jnp.asarray(self.edges, drawn.dtype), dtype=jnp.int32)
 
 
 def _one_of(levels: EnvState, edges: Float[np.ndarray, " n"]) -> _OneOf:

@@ -8,7 +8,13 @@ import gymnasium
 import jax
 
 from kinetix.environment.env import KinetixEnv
-from kinetix.environment.named import FIRST_LEVEL, Levels, make_named_env
+from kinetix.environment.named import (
+    FIRST_LEVEL,
+    Levels,
+    level_names,
+    make_named_env,
+    one_by_one,
+)
 from kinetix.environment.reset import level_state, static_env_params_with_level
 from kinetix.errors import KinetixError
 from kinetix.gymnasium.checks import (
@@ -52,12 +58,24 @@ def with_pictures(env: KinetixEnv, size: int | None) -> KinetixEnv:
     return dataclasses.replace(env, env_params=params, static_env_params=static)
 
 
+def drawn_levels(env: KinetixEnv, key: Any) -> Any:
+    """Return the place of the level that an episode begins with.
+
+    Args:
+        env: It plays levels that have places, not random ones.
+        key: What the episode begins with.
+    """
+    reset_fn: Any = env.reset_fn
+    return reset_fn.index(key)
+
+
 class KinetixGymEnv(gymnasium.Env[Any, Any]):
     """Play levels through `reset`, `step` and `render`.
 
     The reward is +1 when green touches blue, −1 when green touches red, plus the distance reward; a
     touch terminates the episode, the time limit truncates it. `info["solved"]` tells a win; so does
-    `info["is_success"]`, of which stable-baselines3 makes its success rate.
+    `info["is_success"]`, of which stable-baselines3 makes its success rate. `info["level"]` is the
+    place of the level in `level_names`; levels that are random or given to `reset` have none.
     """
 
     metadata: dict[str, Any] = {  # noqa: RUF012 (Gymnasium's own is one, too)
@@ -79,7 +97,8 @@ class KinetixGymEnv(gymnasium.Env[Any, Any]):
             level: A level, its file, or the name of a bundled one; `s-random`, `m-random`,
                 `l-random`; or several: a folder, a level set, a list of levels.
             render_mode: `rgb_array`, or None.
-            render_size: Width and height of pictures [px]; None: 125, as agents see them.
+            render_size: Width and height of pictures [px], best a multiple of 5, the arena's side in
+                metres; None: 125, as agents see them.
             **options: `action_type`, `observation_type`, `physics`, `dense_reward_scale`,
                 `frame_skip`; see `kinetix.environment.named.make_named_env`.
 
@@ -92,12 +111,15 @@ class KinetixGymEnv(gymnasium.Env[Any, Any]):
         check_render_size(render_size)
         self.render_mode = render_mode
         self.render_size = render_size
-        self.kinetix_env = make_named_env(level, auto_reset=False, **checked_words(options))
+        words, levels = checked_words(options), one_by_one(level)
+        self.level_names = level_names(levels)
+        self.kinetix_env = make_named_env(levels, auto_reset=False, **words)
         # Wrappers that film and show it go by this.
         self.metadata = {**self.metadata, "render_fps": steps_per_second(self.kinetix_env)}
         self.action_space = gymnasium_space(self.kinetix_env.action_space())
         self.observation_space = gymnasium_space(self.kinetix_env.observation_space())
         self._state: Any = None
+        self._level: dict[str, Any] = {}
         self._over = False
 
     def reset(
@@ -125,7 +147,9 @@ class KinetixGymEnv(gymnasium.Env[Any, Any]):
             override = level_state(level, static)
         observation, self._state = self.kinetix_env.reset(key, None, override)
         self._over = False
-        return numpy_observation(observation), {}
+        drawn = override is None and self.level_names
+        self._level = {"level": int(drawn_levels(self.kinetix_env, key))} if drawn else {}
+        return numpy_observation(observation), self._level.copy()
 
     def step(self, action: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:
         """Play one action."""
@@ -146,7 +170,7 @@ class KinetixGymEnv(gymnasium.Env[Any, Any]):
             float(reward),
             bool(done) and not truncated,
             truncated,
-            _plain(info),
+            _plain(info) | self._level,
         )
 
     def render(self) -> Any:
@@ -167,4 +191,5 @@ def _plain(info: Mapping[str, Any]) -> dict[str, Any]:
         "is_success": bool(info["GoalR"]),
         "distance": float(info["distance"]),
         "nan": bool(info["nan"]),
+        "overflow": bool(info["overflow"]),
     }

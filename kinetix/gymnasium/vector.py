@@ -10,11 +10,17 @@ import jax.numpy as jnp
 import numpy as np
 from gymnasium.vector import AutoresetMode
 from gymnasium.vector.utils import batch_space
-from jaxtyping import Array, Bool
+from jaxtyping import Array, Bool, Int
 
 from kinetix.bounds import LAST_SEED
 from kinetix.environment.env import KinetixEnv
-from kinetix.environment.named import FIRST_LEVEL, Levels, make_named_env
+from kinetix.environment.named import (
+    FIRST_LEVEL,
+    Levels,
+    level_names,
+    make_named_env,
+    one_by_one,
+)
 from kinetix.errors import KinetixError
 from kinetix.gymnasium.checks import (
     check_count,
@@ -29,13 +35,13 @@ from kinetix.gymnasium.checks import (
 )
 from kinetix.gymnasium.convert import gymnasium_space, numpy_observation
 from kinetix.gymnasium.draws import Draws
-from kinetix.gymnasium.env import RENDER_FPS, steps_per_second, with_pictures
+from kinetix.gymnasium.env import RENDER_FPS, drawn_levels, steps_per_second, with_pictures
 from kinetix.programs import make_room
 from kinetix.render.pixels import make_render_pixels
 
 
 class KinetixVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
-    """Many environments at once; rewards and ends as for `KinetixGymEnv`.
+    """Many environments at once; rewards, ends and what `info` tells as for `KinetixGymEnv`.
 
     In the autoreset mode `NEXT_STEP` (the default) the step after an end starts the next episode
     and ignores its action; in `SAME_STEP` the step that ends an episode returns the start of the
@@ -92,7 +98,9 @@ class KinetixVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
         self.render_mode = render_mode
         self.render_size = render_size
         self._most_steps = max_episode_steps
-        self.kinetix_env = make_named_env(level, auto_reset=False, **checked_words(options))
+        words, levels = checked_words(options), one_by_one(level)
+        self.level_names = level_names(levels)
+        self.kinetix_env = make_named_env(levels, auto_reset=False, **words)
         self.metadata = {
             **self.metadata,
             "autoreset_mode": self.mode,
@@ -107,6 +115,7 @@ class KinetixVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
         self._over = np.zeros(num_envs, bool)
         self._just_over = np.zeros(num_envs, bool)
         self._draws: Draws | None = None
+        self._levels = np.zeros(num_envs, int)
 
     def reset(
         self,
@@ -132,7 +141,8 @@ class KinetixVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
             mask = None  # All of them begin.
         draws = self._seeded(seed, mask)
         observation, state = _begin(self.kinetix_env, draws.keys())
-        draws.use(np.ones(self.num_envs, bool) if mask is None else mask)
+        begun = np.ones(self.num_envs, bool) if mask is None else mask
+        self._use(draws, begun)
         if mask is not None:
             chosen = jnp.asarray(mask)
             observation, state = _select(
@@ -142,7 +152,7 @@ class KinetixVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
         self._ended, self._over = self._ended & left, self._over & left
         self._just_over = self._just_over & left
         self._observation, self._state = observation, state
-        return numpy_observation(observation), {}
+        return numpy_observation(observation), self._level_info(begun)
 
     def step(self, actions: Any) -> tuple[Any, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
         """Play one action in every environment."""
@@ -170,8 +180,9 @@ class KinetixVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
             (keys, self._state, actions, jnp.asarray(self._ended)),
         )
         # Copies: wrappers write into them.
-        reward, terminated, truncated, solved, distance, nan = map(np.array, told)
-        told = {"solved": solved, "is_success": solved.copy(), "distance": distance, "nan": nan}
+        reward, terminated, truncated, solved, *others = map(np.array, told)
+        told = {"solved": solved, "is_success": solved.copy()}
+        told |= zip(("distance", "nan", "overflow"), others, strict=True)
         played = ~before
         info: dict[str, Any] = told | _masks(told, played) if played.any() else {}
         ended = terminated | truncated
@@ -179,15 +190,30 @@ class KinetixVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
             if ended.any():
                 final = {"final_obs": numpy_observation(final), "final_info": told}
                 info |= final | _masks(final, ended)
-                info["final_info"] = told | _masks(told, ended)
-            self._draws.use(ended)
+                info["final_info"] = told | _masks(told, ended) | self._level_info(ended)
+            self._use(self._draws, ended)
         elif self.mode is AutoresetMode.NEXT_STEP:
-            self._draws.use(before)
+            self._use(self._draws, before)
             self._ended = ended
         else:
             self._just_over = ended & ~self._over
             self._over = self._over | ended
+        info |= self._level_info(np.ones(self.num_envs, bool))
         return numpy_observation(self._observation), reward, terminated, truncated, info
+
+    def _use(self, draws: Draws, begun: np.ndarray) -> None:
+        """Note the levels of the environments that have begun, and draw anew for them."""
+        if len(self.level_names) > 1 and begun.any():
+            drawn = np.asarray(_drawn(self.kinetix_env, draws.keys()))
+            self._levels = np.where(begun, drawn, self._levels)
+        draws.use(begun)
+
+    def _level_info(self, about: np.ndarray) -> dict[str, np.ndarray]:
+        """Say which levels some environments play, as places in `level_names`."""
+        if not self.level_names:
+            return {}
+        told = {"level": self._levels.copy()}
+        return told | _masks(told, about)
 
     def _check_choices(self, actions: np.ndarray) -> None:
         """Refuse what no action means; reals are clipped, as agents that draw them expect."""
@@ -298,6 +324,11 @@ def _begin(env: KinetixEnv, keys: Array) -> tuple[Any, Any]:
 
 
 @functools.partial(jax.jit, static_argnums=0)
+def _drawn(env: KinetixEnv, keys: Array) -> Int[Array, " n"]:
+    return jax.vmap(functools.partial(drawn_levels, env))(keys)
+
+
+@functools.partial(jax.jit, static_argnums=0)
 def _draw(env: KinetixEnv, states: Any) -> Array:
     return jax.vmap(make_render_pixels(env.env_params, env.static_env_params))(states)
 
@@ -338,6 +369,7 @@ def _advance(
         info["GoalR"] & ~silent,
         jnp.where(silent, 0.0, info["distance"]),
         info["nan"] & ~silent,
+        info["overflow"] & ~silent,
     )
     return observation, after, told, final if same else None
 

@@ -135,16 +135,17 @@ def loads_document(text: str, file: str = "text") -> LoadedLevel:
         LevelError: The text is bad; one sentence with file and JSON path.
     """
     tree = parse_json(text, file)
-    if isinstance(tree, dict) and tree.get("format") == FORMAT:
+    kind = format_of(tree)
+    if kind == FORMAT:
         return LoadedLevel(level=level_from_tree(tree, file), format=FORMAT)
-    if isinstance(tree, dict) and "format" not in tree and "env_state" in tree:
+    if kind == "kinetix-env":
         source = document_from_tree(tree, text, file)
         # A file's name may hold bytes that are no text, which a level's may not.
         name = Path(file).stem.encode(errors="replace").decode()[:120] or "level"
         level, mends, lost = to_level(source, name=name)
         return LoadedLevel(level=level, format="kinetix-env", mends=mends, lost=lost, source=source)
     faults = FaultCollector()
-    if isinstance(tree, dict) and tree.get("format") == LEVELSET_FORMAT:
+    if kind == LEVELSET_FORMAT:
         faults.add("E002", "$.format", "this is a level set, expected a single level")
     elif isinstance(tree, dict) and "format" in tree:
         of_sets = f' ("{LEVELSET_FORMAT}" for a level set)' if "levels" in tree else ""
@@ -153,6 +154,19 @@ def loads_document(text: str, file: str = "text") -> LoadedLevel:
         expected = f'expected a level: an object with "format": "{FORMAT}" or with "env_state"'
         faults.add("E002", "$", expected)
     fail(file, faults.faults)
+
+
+def format_of(tree: Any) -> str | None:
+    """Return the format that a parsed file says it has; None where it is none of ours.
+
+    Args:
+        tree: The content of a JSON file.
+    """
+    if not isinstance(tree, dict):
+        return None
+    if "format" in tree:
+        return tree["format"] if tree["format"] in (FORMAT, LEVELSET_FORMAT) else None
+    return "kinetix-env" if "env_state" in tree else None
 
 
 def loads(text: str | bytes, file: str = "text") -> Level:

@@ -78,7 +78,7 @@ class MetricsLog:
             updates: Rows of later updates are dropped: the run goes on from there.
         """
         self._path, self._csv = run / JSONL, run / CSV
-        rows = [row for row in read_metrics(run) if row[UPDATE] <= updates]
+        rows = _rows_until(run, updates)
         self._columns = _columns(rows)
         text = "".join(json.dumps(row) + "\n" for row in rows)
         # In one piece: a kill in between must not cost the rows of a whole training.
@@ -202,11 +202,15 @@ def keep_damaged_rows(run: Path, updates: int, say: Callable[[str], None]) -> No
         say: Takes a sentence where an update has no row; once, as a run may go on without.
     """
     path = run / JSONL
-    rows = sum(row[UPDATE] <= updates for row in read_metrics(run))
+    own = sum(row[UPDATE] <= updates for row in read_metrics(run))
+    rows = len(_rows_until(run, updates))
+    there = f"has rows of {own} of {updates} updates" if os.path.isfile(path) else "is not there"
+    if rows > own:
+        say(f"{path}: {there}; rows of {rows - own} are taken from {CSV}")
     told_before = os.path.lexists(path.with_name(f"{path.name}{DAMAGED}"))
     if rows >= updates or (told_before and _only_rows(path)):
         return
-    lost = f"{path}: has rows of {rows} of {updates} updates; the others are lost"
+    lost = f"{path}: {there}; rows of {updates - rows} are lost"
     if os.path.isfile(path):
         kept = damaged_name(path)
         write_atomically(kept, read_bytes(path, "metrics"))
@@ -222,11 +226,43 @@ def _only_rows(path: Path) -> bool:
     return all(not line or _row(line) is not None for line in lines)
 
 
+def _rows_until(run: Path, updates: int) -> list[dict[str, float]]:
+    """The rows of so many updates; what the JSON lines lack is taken from the CSV."""
+    rows = {row[UPDATE]: row for row in (*_csv_rows(run), *read_metrics(run))}
+    return [rows[update] for update in sorted(rows) if update <= updates]
+
+
+def _csv_rows(run: Path) -> Iterator[dict[str, float]]:
+    """Yield the complete rows of the CSV."""
+    path = run / CSV
+    if not os.path.isfile(path):
+        return
+    lines = read_bytes(path, "metrics").decode("utf-8", errors="replace").splitlines(keepends=True)
+    whole = [line for line in lines if line.endswith("\n")]
+    with contextlib.suppress(csv.Error):  # a field without an end
+        for cells in csv.DictReader(whole):
+            row = _cells(cells)
+            if row is not None:
+                yield row
+
+
+def _cells(cells: Mapping[str, Any]) -> dict[str, float] | None:
+    """The numbers of a row of the CSV; None where one is none, or there are too few or too many."""
+    try:
+        return _checked({name: json.loads(text) for name, text in cells.items() if text != ""})
+    except (ValueError, TypeError):
+        return None
+
+
 def _row(line: str) -> dict[str, float] | None:
     try:
-        row: Any = json.loads(line)
+        return _checked(json.loads(line))
     except (ValueError, RecursionError):
         return None
+
+
+def _checked(row: Any) -> dict[str, float] | None:
+    """The numbers of a row; None where it is none."""
     if not isinstance(row, dict):
         return None
     numbers = {name: x for name, x in row.items() if type(x) in (int, float) and abs(x) <= _LARGEST}

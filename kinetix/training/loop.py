@@ -236,7 +236,8 @@ def save(run: Training, state: Any, progress: StoredProgress, results: Mapping[s
 
     target = checkpoint_of(run.out, run.trainer.setup.config, progress)
     try:
-        write_checkpoint(target, agent.card, agent.params["params"], extra=beside)
+        # What lay there and was no checkpoint of this run was put aside when it went on.
+        write_checkpoint(target, agent.card, agent.params["params"], extra=beside, replace=True)
     except KinetixError as error:
         told = f"{error}; after that is mended, the same command goes on"
         raise KinetixError(told) from None

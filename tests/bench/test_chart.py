@@ -170,7 +170,7 @@ def test_missing_errors_are_measured_before_the_speed(results, tmp_path, monkeyp
     asked = []
 
     def measured(*words, devices, cached):
-        asked.append((words[0], words[words.index("--physics") + 1]))
+        asked.append((words[0], words[words.index("--physics") + 1], devices))
         return [row("D2", 0.1)] if words[0] == "accuracy" else [speed("joints", 1, 60.0)]
 
     monkeypatch.setattr(build, "measured_apart", measured)
@@ -178,11 +178,11 @@ def test_missing_errors_are_measured_before_the_speed(results, tmp_path, monkeyp
     core = [row(id, 0.1) for id, scene in SCENES.items() if scene.counted]
     write_rows(results / "accuracy" / "balanced.jsonl", core)
     settings = build.ChartSettings(
-        out=tmp_path, results=results, physics=("fast", "balanced"), batches=(1,)
+        out=tmp_path, results=results, physics=("fast", "balanced"), batches=(1,), cores=3
     )
     said = []
     build.build_chart(settings, said.append)
-    assert asked == [("accuracy", "fast"), ("speed", "fast"), ("speed", "balanced")]
+    assert asked == [("accuracy", "fast", 1), ("speed", "fast", 3), ("speed", "balanced", 3)]
     assert said[0].startswith("fast: errors in I2,I3,")
     assert "fast" in {p.name for p in points.read_points(results)}
 

@@ -53,6 +53,15 @@ def test_unknown_argument_is_wrong_usage(capsys):
     assert "no-such-option" in capsys.readouterr().err
 
 
+def test_an_unknown_command_of_the_second_level_is_one_sentence(capsys):
+    assert cli.main(["train", "foo", "--out", "r2"]) == 2
+    said = capsys.readouterr().err
+    assert said == "kinetix train: 'foo' is not a command; there are accel, bc, dr, plr, ppo, sfl\n"
+    assert cli.main(["levelset", "bulid"]) == 2
+    said = capsys.readouterr().err
+    assert said == "kinetix levelset: 'bulid' is not a command; did you mean 'build'?\n"
+
+
 def test_a_mistyped_option_points_to_the_help_of_its_command(capsys):
     assert cli.main(["train", "ppo", "--out", "r0", "--lerning-rate", "1e-3"]) == 2
     said = capsys.readouterr().err
@@ -426,7 +435,7 @@ def test_of_an_unknown_observation_all_are_listed(capsys):
 
 
 def test_every_command_takes_a_number_of_cores(capsys):
-    for name in set(cli.COMMANDS) - {"bench"}:
+    for name in cli.COMMANDS:
         module = importlib.import_module(f"kinetix.cli.{name}")
         form = getattr(module, name.capitalize())
         for each in get_args(form) or (form,):

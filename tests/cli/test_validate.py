@@ -47,12 +47,25 @@ def test_a_bad_file_is_reported_with_its_paths(tmp_path, capsys):
     bad.write_text(CART.read_text().replace('"density": 0.5', '"density": -1').replace("256", "0"))
     assert main(["validate", str(bad), "--json"]) == 1
     report = lines(capsys)[0]
-    assert report["format"] is None
+    assert report["format"] == "kinetix-level"
     assert [(issue["code"], issue["path"]) for issue in report["issues"]] == [
         ("E007", "$.max_timesteps"),
         ("E007", "$.bodies[0].density"),
     ]
     assert report["issues"][1]["message"] == "expected 0.001 ≤ x ≤ 1000, got -1"
+
+
+def test_a_bad_file_is_told_the_format_that_it_says(tmp_path, capsys):
+    texts = {
+        "kinetix-env": '{"env_state": 1}',
+        "kinetix-levelset": '{"format": "kinetix-levelset"}',
+        None: '{"format": "other"}',
+    }
+    for number, text in enumerate(texts.values()):
+        (tmp_path / f"{number}.json").write_text(text)
+    (tmp_path / "3.json").write_text("{")
+    assert main(["validate", str(tmp_path), "--json"]) == 1
+    assert [report["format"] for report in lines(capsys)] == [*texts, None]
 
 
 def test_a_missing_file_and_no_file(tmp_path, capsys):

@@ -490,11 +490,35 @@ def test_kinds_are_made_and_used_as_in_kinetix_env(static, state):
         MultiDiscreteActions(params, static).process_action(action, state, static),
         convert_multi_discrete_actions(action, state, static, params),
     )
+    np.testing.assert_array_equal(
+        env.action_type.process_action(action, state, static),
+        convert_multi_discrete_actions(action, state, static, params),
+    )
     for kind in (env.observation_type, EntityObservations(params, static)):
         assert isinstance(kind, KinetixObservation)
         assert kind.observation_space(params) == kind.space
         assert kind.observation_space().contains(kind.get_obs(state))
         assert kind.hash_key() == hash(kind)
+
+
+def test_an_environment_takes_kinds_as_classes_and_as_objects_with_options(static):
+    from kinetix.environment import EntityObservations, MultiDiscreteActions, SymbolicObservations
+
+    params = EnvParams()
+    usual = make_kinetix_env("multi_discrete", "symbolic_entity", None, params, static)
+    for action, seen in (
+        (MultiDiscreteActions, EntityObservations),
+        (MultiDiscreteActions(), EntityObservations(js_anchor_order=True)),
+        (
+            MultiDiscreteActions(params, static),
+            EntityObservations(params, static, js_anchor_order=True),
+        ),
+    ):
+        env = make_kinetix_env(action, seen, None, params, static)
+        assert env.action_space() == usual.action_space()
+        assert env.observation_space() == usual.observation_space()
+        assert env.observation_type.js_anchor_order == (not isinstance(seen, type))
+    assert SymbolicObservations(params, static).layout == usual.observation_type.layout
 
 
 def test_an_episode_starts_again_in_a_state_of_the_log(static, state):

@@ -70,6 +70,14 @@ def test_submodules_of_made_modules_are_imported_by_any_way():
     assert "load_from_json_file" in dir(saving)
 
 
+@pytest.mark.parametrize("module", MODULES)
+def test_every_module_is_an_attribute_of_its_package(module, monkeypatch):
+    package, _, name = module.rpartition(".")
+    found = importlib.import_module(module)
+    monkeypatch.delattr(importlib.import_module(package), name)
+    assert getattr(importlib.import_module(package), name) is found
+
+
 def test_an_old_name_warns_once(monkeypatch):
     monkeypatch.setattr(names, "_warned", set())
     import kinetix.environment.env as env

@@ -340,6 +340,12 @@ def test_sizes_that_cannot_be(field, bad):
         make_kinetix_env("discrete", "blind", None, EnvParams(), static)
 
 
+def test_unknown_physics_is_refused_where_it_is_typed(small_static):
+    for make in (StaticEnvParams, small_static.replace):
+        with pytest.raises(KinetixError, match="unknown physics 'accurat': expected one of jax2d"):
+            make(physics="accurat")
+
+
 @pytest.mark.parametrize("number", [np.array(7), jnp.int32(7), np.int64(7)])
 def test_sizes_may_be_arrays_of_one_number(number):
     static = StaticEnvParams(num_polygons=number)

@@ -275,8 +275,8 @@ def test_a_level_with_more_in_it_than_the_environments_own_is_played_whole():
     hold, over = np.array([1, 1, 1, 1, 1, 1]), False
     while not over:
         *_, over, truncated, info = env.step(hold)
-        assert not truncated
-        assert own.step(hold)[-1] == pytest.approx(info, abs=1e-4)
+        assert not truncated and "level" not in info  # it is none of the environment's own
+        assert own.step(hold)[-1] == pytest.approx(info | {"level": 0}, abs=1e-4)
     assert info["solved"]
 
 
@@ -287,6 +287,8 @@ def test_several_levels_are_played(tmp_path):
     given = (flight, ["s/goalkeeper", flight], tmp_path, str(tmp_path), "sets/s", "s")
     drawn = [len(KinetixGymEnv(level).kinetix_env.reset_fn.edges) + 1 for level in given]
     assert drawn[:4] == [1, 2, 2, 2] and drawn[4] == drawn[5] > 2
+    assert KinetixGymEnv(flight).level_names == (flight.name,)
+    assert KinetixGymEnv("s-random").level_names == ()
     for wrong in (3, [3], []):
         with pytest.raises(KinetixError, match="level"):
             KinetixGymEnv(wrong)
@@ -300,24 +302,29 @@ def test_each_of_a_batch_plays_the_levels_that_one_alone_with_its_seed_plays(mod
     }
     alone = KinetixGymEnv(**options)
     batch = KinetixVectorEnv(3, **options, autoreset_mode=mode, max_episode_steps=2)
+    assert alone.level_names == batch.level_names == tuple(options["level"])
     firsts = []
-    observation, _ = batch.reset(seed=7)
-    firsts.append(observation.copy())
+    observation, info = batch.reset(seed=7)
+    firsts.append((observation.copy(), info["level"]))
     still = noop(batch)
     for _ in range(2):
         for _ in range(2):
             told = batch.step(still)
         assert told[3].all()
+        ended = told[-1].get("final_info", told[-1])
+        np.testing.assert_array_equal(ended["level"], firsts[-1][1])
         if mode == "NextStep":
             told = batch.step(still)
         elif mode == "Disabled":
             told = batch.reset(options={"reset_mask": np.ones(3, bool)})
-        firsts.append(told[0].copy())
+        firsts.append((told[0].copy(), told[-1]["level"]))
+    assert len({place for _, places in firsts for place in places.tolist()}) > 1
     for row in range(3):
         seeds = (7 + row, None, None)
         for k, seed in enumerate(seeds):
-            expected, _ = alone.reset(seed=seed)
-            np.testing.assert_array_equal(firsts[k][row], expected)
+            expected, info = alone.reset(seed=seed)
+            np.testing.assert_array_equal(firsts[k][0][row], expected)
+            assert info == {"level": firsts[k][1][row]}
 
 
 def test_those_that_are_left_alone_keep_their_draws():

@@ -114,11 +114,20 @@ def test_two_trainings_do_not_write_to_one_run(finished):
     assert "another training writes here now" in done.stdout
 
 
-def test_a_damaged_agent_is_named_and_made_again_from_the_state(finished, tmp_path):
+_DAMAGES_OF_AGENTS = {
+    "parameters cut": lambda folder: [
+        path.write_bytes(path.read_bytes()[:20])
+        for path in (folder / "params").rglob("*")
+        if path.is_file()
+    ],
+    "card gone": lambda folder: (folder / "agent.json").unlink(),
+}
+
+
+@pytest.mark.parametrize("damage", _DAMAGES_OF_AGENTS.values(), ids=_DAMAGES_OF_AGENTS)
+def test_a_damaged_agent_is_named_and_made_again_from_the_state(finished, tmp_path, damage):
     run = shutil.copytree(finished, tmp_path / "run")
-    for path in (run / "checkpoints" / "192" / "params").rglob("*"):
-        if path.is_file():
-            path.write_bytes(path.read_bytes()[:20])
+    damage(run / "checkpoints" / "192")
     said = []
     train("ppo", tiny_config("ppo", dummy_env=True), run, say=said.append)
     assert any("192" in text and "damaged agent" in text for text in said), said

@@ -58,8 +58,34 @@ def test_a_line_that_a_kill_cut_off_is_left_out(run):
     assert len(path.read_text().splitlines()) == 3
 
 
+@pytest.mark.parametrize("left", [None, 1])
+def test_rows_that_the_lines_lack_are_taken_from_the_table(run, left):
+    path, said, before = run / "metrics.jsonl", [], read_metrics(run)
+    table = (run / "metrics.csv").read_bytes()
+    lines = path.read_text().splitlines(keepends=True)
+    path.unlink() if left is None else path.write_text("".join(lines[:left]))
+    keep_damaged_rows(run, 3, said.append)
+    there = "is not there" if left is None else "has rows of 1 of 3 updates"
+    assert said == [f"{path}: {there}; rows of {3 - (left or 0)} are taken from metrics.csv"]
+    MetricsLog(run, updates=3).close()
+    assert read_metrics(run) == before
+    assert (run / "metrics.csv").read_bytes() == table
+
+
+def test_a_table_that_a_kill_cut_off_gives_its_whole_rows(run):
+    path, table, said = run / "metrics.jsonl", run / "metrics.csv", []
+    before = read_metrics(run)
+    path.unlink()
+    table.write_bytes(table.read_bytes()[:-3])
+    keep_damaged_rows(run, 3, said.append)
+    assert said[1:] == [f"{path}: is not there; rows of 1 are lost"]
+    MetricsLog(run, updates=3).close()
+    assert read_metrics(run) == before[:2]
+
+
 def test_metrics_that_would_lose_rows_are_kept_and_told(run):
     path, said = run / "metrics.jsonl", []
+    (run / "metrics.csv").unlink()
     keep_damaged_rows(run, 3, said.append)
     assert said == []
     lines = path.read_text().splitlines(keepends=True)
@@ -74,7 +100,7 @@ def test_metrics_that_would_lose_rows_are_kept_and_told(run):
     assert len(said) == 1 and len(list(run.glob("*.damaged*"))) == 1
     path.unlink()
     keep_damaged_rows(run, 3, said.append)
-    assert said[1].endswith("rows of 0 of 3 updates; the others are lost")
+    assert said[1].endswith("is not there; rows of 3 are lost")
 
 
 def _all_events(run):

@@ -3,7 +3,6 @@
 import dataclasses
 import datetime
 import json
-import os
 import platform
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -48,6 +47,8 @@ class ChartSettings:
     physics: tuple[str, ...] = ()
     """Presets whose speed is measured anew. Their errors are measured where missing."""
     batches: tuple[int, ...] = BATCHES
+    cores: int = 1
+    """Processor cores that many worlds are spread over."""
 
 
 def every_physics() -> tuple[str, ...]:
@@ -139,7 +140,7 @@ def _measure(physics: str, settings: ChartSettings, say: Callable[[str], None]) 
     batches = ",".join(str(batch) for batch in settings.batches)
     rows = measured_apart(
         *("speed", "--scenes", "--physics", physics, "--batches", batches),
-        devices=os.cpu_count() or 1,
+        devices=settings.cores,
         cached=True,
     )
     write_speeds(settings.results, physics, OURS, rows)

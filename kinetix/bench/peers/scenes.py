@@ -1,6 +1,5 @@
 """Speed of a peer in the suite's scenes, as `kinetix.bench.scene_speed` times ours."""
 
-import os
 from collections.abc import Iterator
 from typing import Any, Final
 
@@ -17,21 +16,28 @@ SCENE_STEPS: Final = 256
 """Steps from the start over which engines driven from Python are timed."""
 
 
-def measure_peer_scenes(peer: Peer, batches: tuple[int, ...]) -> Iterator[dict[str, Any]]:
+def measure_peer_scenes(
+    peer: Peer, batches: tuple[int, ...], cores: int
+) -> Iterator[dict[str, Any]]:
     """Rows as `measure_scenes` gives them; engines driven from Python have one world only.
+
+    Args:
+        peer: The engine.
+        batches: Numbers of worlds.
+        cores: Processor cores that many worlds are spread over.
 
     Raises:
         KinetixError: The engine is not installed or its program failed.
     """
     if not peer.compiled:
         return measure_scenes([1], lambda trial, _: _driven(peer, trial))
-    return measure_scenes(batches, lambda trial, batch: _compiled(peer, trial, batch))
+    return measure_scenes(batches, lambda trial, batch: _compiled(peer, trial, batch, cores))
 
 
-def _compiled(peer: Peer, trial: Trial, batch: int) -> Rate | None:
+def _compiled(peer: Peer, trial: Trial, batch: int, cores: int) -> Rate | None:
     inertia = "kinetix" if peer.own_inertia else "exact"
     job = {"task": "time", "batch": batch, "scenes": [scene_of(trial, inertia=inertia)]}
-    variables = host_devices(os.cpu_count() or 1 if batch > 1 else 1)
+    variables = host_devices(cores if batch > 1 else 1)
     try:
         told = ask(peer, job, variables=variables, seconds=PATIENCE).told
     except PeerLateError:

@@ -32,8 +32,13 @@ def chosen_peers(text: str) -> tuple[Peer, ...]:
     return tuple(peer_named(name.strip()) for name in text.split(","))
 
 
-def measure_for_chart(peer: Peer, results: Path) -> Iterator[dict[str, Any]]:
+def measure_for_chart(peer: Peer, results: Path, cores: int) -> Iterator[dict[str, Any]]:
     """Errors where there are none yet, speeds anew; yields the rows of speed as they are stored.
+
+    Args:
+        peer: The engine.
+        results: Folder of the measured rows.
+        cores: Processor cores that many worlds are spread over.
 
     Raises:
         KinetixError: The engine is not installed or its program failed.
@@ -43,6 +48,6 @@ def measure_for_chart(peer: Peer, results: Path) -> Iterator[dict[str, Any]]:
     missing = missing_scenes(errors, "all" if peer in PEERS else "core,built")
     for row in measure_peer(peer, missing) if missing else ():
         append_rows(errors, [row])
-    rows = list(measure_peer_scenes(peer, BATCHES))
+    rows = list(measure_peer_scenes(peer, BATCHES, cores))
     write_speeds(results, peer.name, peer.family, rows)
     yield from ({"engine": peer.name, **row} for row in rows)

@@ -2,13 +2,15 @@
 
 import abc
 import dataclasses
-from typing import Any, ClassVar
+from typing import Any, ClassVar, overload
 
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 
 from kinetix.engine.types import Control, World
+from kinetix.environment.params import StaticEnvParams
 from kinetix.environment.spaces import Space
+from kinetix.environment.state import EnvState
 from kinetix.level.compile import Labels
 
 
@@ -47,17 +49,37 @@ class AbstractAction(abc.ABC):
     def random_action(self, key: Array) -> Any:
         """A random action."""
 
-    def process_action(self, action: Any, labels: Labels) -> Control:
-        """The engine's control for an action.
+    @overload
+    def process_action(self, action: Any, state: Labels) -> Control: ...
+
+    @overload
+    def process_action(
+        self, action: Any, state: EnvState, static_env_params: StaticEnvParams | None = None
+    ) -> Float[Array, " jt"]: ...
+
+    def process_action(
+        self,
+        action: Any,
+        state: EnvState | Labels,
+        static_env_params: StaticEnvParams | None = None,
+    ) -> Control | Float[Array, " jt"]:
+        """What an action means to the engine: a number per joint and one per thruster.
 
         Args:
             action: An element of `action_space`.
-            labels: Bindings of the level's joints and thrusters, and which joints are automatic.
+            state: The state that it is played in; or the labels alone: bindings of the level's
+                joints and thrusters, and which joints are automatic.
+            static_env_params: As kinetix-env has it; not used.
 
         Returns:
-            One number per joint (+1 where it is automatic) and per thruster.
+            One vector, joints first (+1 where one is automatic); of labels alone the engine's
+            record of the two.
         """
-        unified = self.unified(action)
+        if isinstance(state, EnvState):
+            control = self.process_action(action, state.labels)
+            return jnp.concatenate([control.motor, control.thruster])
+        del static_env_params
+        labels, unified = state, self.unified(action)
         motors, thrusters = unified[: self.motor_bindings], unified[self.motor_bindings :]
         motor = _pick(jnp.clip(motors, -1, 1), labels.motor_binding)
         return Control(
