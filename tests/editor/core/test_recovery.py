@@ -331,6 +331,7 @@ def test_what_is_restored_stands_in_the_order_of_its_tabs(start, clock, path):
     session = start()
     session.answer(session.prompts[-1], "restore")
     assert [tab.document.path.name for tab in session.tabs if tab.document.path] == names
+    assert session.document.path.name == names[1]  # it was worked on last
 
 
 def test_asking_again_next_time_keeps_it(start, clock, path):
