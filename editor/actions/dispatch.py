@@ -281,9 +281,7 @@ def advance(session: Session, seconds: float) -> None:
         session.library.poll()
         session.evaluator.poll()
     debugging = session.view.debug_draw and bool(session.settings.debug_draw)
-    watched = debugging or session.view.plots
-    watched = watched or session.viewer.timeline_open
-    session.playback.simulator.keep_contacts = watched
+    session.playback.simulator.keep_contacts = debugging or session.viewer.timeline_open
     again = session.settings.restart_automatically and not session.viewer.rival.goes_on
     session.playback.restart_automatically = again
     # Two players begin together: the one that is ready waits. So does all play for an answer.

@@ -31,6 +31,7 @@ def offer(session: Session) -> None:
             for each in _as_tabs(found.recoveries):
                 with session.guard():
                     restore(session, each)
+            _show(session, found.recoveries[0])
         elif choice == "discard":
             _discard(session, found.recoveries)
 
@@ -63,6 +64,14 @@ def _as_tabs(recoveries: Sequence[Recovery]) -> list[Recovery]:
         recoveries,
         key=lambda each: (runs[each.file.parent], len(names[each.file]), names[each.file]),
     )
+
+
+def _show(session: Session, found: Recovery) -> None:
+    """Bring the tab of what was restored to the front: of what was worked on last."""
+    for index, tab in enumerate(session.tabs):
+        if found.file in tab.document.origin:
+            session.show_tab(index)
+            return
 
 
 def _discard(session: Session, recoveries: Sequence[Recovery]) -> None:

@@ -43,7 +43,7 @@ class Recovery:
     def _differences(self) -> str:
         mine = _counts(self.level)
         if self.path is None:
-            return mine
+            return f"{mine}, never saved"
         try:
             theirs = _counts(load_document(self.path).level)
         except KinetixError:

@@ -62,7 +62,7 @@ class Replayer:
         self._buttons: set[int] = set()
         self._film: Film | None = None
         self._looked = False
-        """True after the first line about the window."""
+        """True after the first line that opens no file: a line about the window resizes it then."""
         self._verbs: dict[str, Callable[[Event], None]] = {
             "window": self._window,
             "open": self._open,
@@ -131,6 +131,7 @@ class Replayer:
         except OSError as error:
             reason = f"{error.filename}: {error.strerror}" if error.filename else str(error)
             raise KinetixError(f"{event['do']}: {reason}") from error
+        self._looked |= event["do"] != "open"
         self._frames(1)
 
     def _step(self, *batch: events.InputEvent) -> None:
@@ -156,11 +157,10 @@ class Replayer:
             worker.poll()
 
     def _window(self, event: Event) -> None:
-        """Take the size and the scale that the window got; the first ones must be there already."""
+        """Take the size and the scale that the window got; what a script begins with must be so."""
         size, scale = fields.size(event), float(event["scale"])
-        first, self._looked = not self._looked, True
         alike = math.isclose(scale, self._host.ui.scale, rel_tol=_SCALE_DIGITS)
-        if first and not (alike and size == self._host.size):
+        if not self._looked and not (alike and size == self._host.size):
             raise KinetixError(
                 f"recorded in another window: give --size {size[0]}x{size[1]} --scale {scale:g}"
             )

@@ -15,7 +15,6 @@ class View:
     """True if the panels stay while a level is played; Tab brings them back."""
     fullscreen: bool = False
     debug_draw: bool = False
-    plots: bool = False
     front: str = ""
     """Id of a panel to bring to the front; the window clears it."""
     field: str = ""

@@ -108,6 +108,32 @@ class Fallbacks:
             self.loaded.append(path)
 
 
+class DrawnLetters:
+    """Has all letters drawn anew where the toolkit would draw further ones at a wrong size.
+
+    Where its picture of letters is full, or a font is added, the toolkit lets go of sizes that are
+    not needed and moves the others in its memory. FreeType's loader tells sizes apart by where they
+    are, and would give one size the letters of another.
+    """
+
+    def __init__(self) -> None:
+        self._sources = 0
+        self._picture = 0
+        self._anew = False
+
+    def step(self) -> None:
+        """Let go of all letters, if so; call it between two frames, after fonts were added."""
+        fonts = imgui.get_io().fonts
+        picture, sources = fonts.tex_data.unique_id if fonts.tex_data else 0, len(fonts.sources)
+        # What the frame after such a step draws may need room too, and lets go of nothing.
+        moved = picture != self._picture and not self._anew
+        self._anew = moved or sources != self._sources
+        self._picture, self._sources = picture, sources
+        if self._anew:
+            for font in fonts.fonts:
+                imgui.internal.im_font_atlas_font_discard_bakes(fonts, font, 0)
+
+
 def _readable(path: Path) -> bool:
     """Return whether a file begins as fonts do: the toolkit ends the app over anything else."""
     try:

@@ -31,6 +31,8 @@ if TYPE_CHECKING:
     from editor.session import Session
 
 _PREVIEW: Final = 210.0
+_PATH: Final = 120.0
+"""Room that the path of the folder needs beside the buttons [px at 100 %]."""
 _FOLDER_HINT: Final = "Go into the folder that you mean, or type its path"
 
 
@@ -66,7 +68,7 @@ class FileBrowser:
             Whether the user is done, and the path or None.
         """
         with widgets.font(FONTS.bold, 18):
-            widgets.text(self._question.title)
+            widgets.wrapped(self._question.title)
         self._places(session)
         footer = imgui.get_frame_height() * 2 + px(22)
         space = imgui.get_content_region_avail()
@@ -91,12 +93,12 @@ class FileBrowser:
             places.append(("Here", here))  # the app was started in a terminal
         for index, (label, folder) in enumerate(places):
             if index:
-                imgui.same_line(0, px(4))
+                widgets.beside_words(label, gap=4)
             name = f"browser.place.{index}"
             if widgets.button(session, name, label):
                 self._choice.go(folder)
             widgets.tooltip(str(folder))
-        imgui.same_line(0, px(10))
+        widgets.beside(_PATH, gap=10)
         imgui.align_text_to_frame_padding()
         room = imgui.get_content_region_avail().x - px(6)
         widgets.raw(widgets.fitted_path(self._choice.folder, room), COLOURS.muted)

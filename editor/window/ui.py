@@ -13,7 +13,7 @@ from editor.base import events, language
 from editor.base.camera import ARENA
 from editor.toolkit import theme
 from editor.toolkit.appearance import COLOURS, FONTS
-from editor.toolkit.fonts import Fallbacks
+from editor.toolkit.fonts import DrawnLetters, Fallbacks
 from editor.toolkit.guarding import guarded
 from editor.toolkit.textures import TextureStore
 from editor.toolkit.widgets import px
@@ -81,6 +81,7 @@ class Ui:
         self._gallery = GalleryPage(textures)
         self.preparation = Preparation(session, self._compiled)
         self._fallbacks = Fallbacks([each for each in (FONTS.regular, FONTS.bold) if each])
+        self._letters = DrawnLetters()
         self._fps = 60.0
         self.warm_up = False
         """True if to import JAX and compile in the background once the window stands."""
@@ -127,6 +128,7 @@ class Ui:
         """Do what Dear ImGui takes only between frames: stored layouts, further fonts."""
         if imgui.get_frame_count() > _FALLBACK_FRAME:
             self._fallbacks.step()
+        self._letters.step()
         self._rescale()
         self.workplace.take_layout()
 

@@ -100,7 +100,7 @@ class Workplace:
         self._had_bars = False
         self._panel_focused = False
         self._to_canvas = True
-        self._switches: dict[str, bool] = {}
+        self._debugged = False
 
     @property
     def panel_focused(self) -> bool:
@@ -146,16 +146,13 @@ class Workplace:
         self._had_bars = False
 
     def follow_switches(self) -> None:
-        """Bring a panel to the front when its key turns it on; what is asked for is shown."""
+        """Bring the debug panel in front when its key turns it on; what is asked for is shown."""
         asked = self.session.view
-        now = {"debug": asked.debug_draw, "plots": asked.plots}
-        for panel, on in now.items():
-            # The debug drawing alone needs no panel; plots are nothing without theirs.
-            spare = layouts.room_now() is not layouts.Room.LOW
-            shown = panel == "plots" or (spare and view.shows_panels(self.session))
-            if on and shown and not self._switches.get(panel, False):
-                asked.front = panel
-        self._switches = now
+        # The drawing alone needs no panel.
+        spare = layouts.room_now() is not layouts.Room.LOW and view.shows_panels(self.session)
+        if asked.debug_draw and spare and not self._debugged:
+            asked.front = "debug"
+        self._debugged = asked.debug_draw
         if asked.front:
             self._in_front.append(asked.front)
             self._asked = asked.front

@@ -271,6 +271,7 @@ AGENTS: Final = (
         for name, label, keys, tooltip in (
             ("agents", "Agents", ("f7",), "Choose agents, their draws and what is shown of them."),
             ("timeline", "Timeline", ("f8",), "Look back: scrub, loop, start from any moment."),
+            ("plots", "Plots", ("f4",), "Curves of what is played; a click goes to that moment."),
             ("eye", "What the Agent Sees", (), "The picture and the numbers of its observation."),
             ("training", "Training", (), "Metrics of a training run while it trains."),
             ("curriculum", "Curriculum", (), "The levels that SFL, PLR or ACCEL keep, over time."),

@@ -156,16 +156,6 @@ VIEW: Final = (
         checked=view.is_on("debug_draw"),
         run=view.toggle_debug,
     ),
-    Action(
-        id="view.plots",
-        label="Plots",
-        menu="View",
-        group="window",
-        context=Context.LEVEL,
-        keys=("f4",),
-        checked=view.is_on("plots"),
-        run=view.switch("plots"),
-    ),
     *(
         Action(
             id=f"view.layout_{name}",

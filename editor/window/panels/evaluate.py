@@ -262,8 +262,9 @@ class EvaluatePanel(Panel):
         if told:
             shown = certain or told
             what = f"{best_label} leads" if certain else f"No difference is certain. {best_label}"
-            more = f", and {len(shown) - 2} more" if len(shown) > 2 else ""
-            widgets.small(f"{what}: {', '.join(shown[:2])}{more}")
+            parts = ", ".join(map(tr, shown[:2]))
+            more = tr(f", and {len(shown) - 2} more") if len(shown) > 2 else ""
+            widgets.small(f"{what}: {parts}{more}")
             widgets.tooltip("Paired differences, 95 %", "\n".join(told))
 
     def _attempts(self, session: "Session", level: int, agent: int) -> None:

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from editor.session import Session
 
 _DRIVING: Final = "Driving in Play"
+_ALL: Final = "All as at first"
 _KEYS: Final = 230.0
 """Width of the keys' column, at most half of what there is [px at 100 %]."""
 _BUTTONS: Final = 64.0
@@ -82,7 +83,10 @@ class KeysWindow:
         imgui.same_line(imgui.get_window_width() - px(58))
         if widgets.icon_button(session, "keys.close", Icons.close):
             session.view.keys = False
-        imgui.set_next_item_width(px(300))
+        beside = imgui.calc_text_size(tr(_ALL)).x + 2 * imgui.get_style().frame_padding.x + px(10)
+        beside += widgets.icon_width(Icons.close) + px(4) if self._typed else 0.0
+        room = imgui.get_content_region_avail().x - beside
+        imgui.set_next_item_width(max(min(px(300), room), px(100)))
         hint = f"{Icons.search}  Command or key"
         _, self._typed = widgets.input_line("keys.search", hint, self._typed)
         widgets.probe(session, "keys.search")
@@ -90,9 +94,9 @@ class KeysWindow:
             self._stop(session)
         if self._typed and widgets.clear_button(session, "keys.search"):
             self._typed = ""
-        imgui.same_line(0, px(10))
+        widgets.beside_words(_ALL, gap=10)
         with widgets.disabled(not rebinding.any_changed(session)):
-            if widgets.button(session, "keys.reset_all", "All as at first"):
+            if widgets.button(session, "keys.reset_all", _ALL):
                 self._stop(session)
                 session.queue(lambda: _ask_reset(session))
         self._message(session)
@@ -226,7 +230,7 @@ def _ask_reset(session: "Session") -> None:
             title="All keys as at first?",
             message="Every key that you have changed is lost.",
             choices=(
-                Choice(id="reset", label="All as at first"),
+                Choice(id="reset", label=_ALL),
                 Choice(id="cancel", label="Cancel"),
             ),
             default="cancel",

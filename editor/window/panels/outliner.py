@@ -135,6 +135,10 @@ class Outliner(Panel):
         imgui.push_id(f"row-{entity}")
         start = imgui.get_cursor_screen_pos()
         height = _row_height()
+        caps = "  ".join(keys)
+        signs = px(48) if isinstance(entity, int) else 0.0
+        room = imgui.get_content_region_avail().x - px(36) - signs
+        shown = widgets.fitted(name, room - (imgui.calc_text_size(caps).x if caps else 0.0))
         flags = (
             imgui.SelectableFlags_.allow_overlap.value
             | imgui.SelectableFlags_.allow_double_click.value
@@ -150,6 +154,8 @@ class Outliner(Panel):
         hovered = imgui.is_item_hovered()
         if hovered:
             session.highlighted = (entity,)
+        if shown != name:
+            widgets.tooltip(name, own=True)
         if scroll and selected and entity == session.selection[-1]:
             _bring_into_view()
         draw = imgui.get_window_draw_list()
@@ -157,11 +163,10 @@ class Outliner(Panel):
         hidden = entity in session.document.hidden
         ink = COLOURS.faint if hidden else COLOURS.text
         widgets.sign(draw, (start.x + px(4), middle), u32(tint), icon)
-        draw.add_text((start.x + px(28), middle), u32(ink), name)
-        x = start.x + px(28) + imgui.calc_text_size(name).x + px(8)
+        draw.add_text((start.x + px(28), middle), u32(ink), shown)
+        x = start.x + px(28) + imgui.calc_text_size(shown).x + px(8)
         with widgets.font(None, SMALL):
-            words = "  ".join(keys)
-            draw.add_text((x, middle + px(1)), u32(COLOURS.faint), words)
+            draw.add_text((x, middle + px(1)), u32(COLOURS.faint), caps)
         if isinstance(entity, int):
             self._flags(session, entity, start, height, hovered)
         imgui.pop_id()

@@ -1,10 +1,13 @@
 """Copies of unsaved work: soon made, offered to the next run, kept until saved or given up."""
 
 import contextlib
+import dataclasses
+import datetime
 import gc
 import json
 import multiprocessing
 import os
+import re
 import shutil
 import threading
 import time
@@ -16,6 +19,7 @@ import pytest
 from editor import actions
 from editor.__main__ import _until_closed
 from editor.actions import recover
+from editor.base.language import Language, languages, read_words
 from editor.documents import autosaves, files, recovery, run_lock
 from editor.documents.autosaves import LONGEST, PAUSE, Autosaves, autosave_dir
 from editor.documents.commands.group import Move
@@ -31,6 +35,7 @@ from tests import forks
 from tests.editor.core.endless_edits import edit_for_ever
 from tests.editor.core.helpers import a_level, a_session, texts
 
+KILLED = datetime.datetime(2026, 11, 28, 23, 52, tzinfo=datetime.UTC)
 MOVE = Move(ids=(3,), shift=(0.25, 0.0))
 OLD = Path(__file__).resolve().parents[1] / "stored" / "0.1.0" / "state" / "kinetix-editor"
 
@@ -326,6 +331,7 @@ def test_what_is_restored_stands_in_the_order_of_its_tabs(start, clock, path):
     session = start()
     session.answer(session.prompts[-1], "restore")
     assert [tab.document.path.name for tab in session.tabs if tab.document.path] == names
+    assert session.document.path.name == names[1]  # it was worked on last
 
 
 def test_asking_again_next_time_keeps_it(start, clock, path):
@@ -770,3 +776,26 @@ def test_tests_and_scripts_leave_nothing(path):
         actions.update(session, 1.0)
     session.autosaves.end()
     assert not autosaves.autosave_dir().exists()
+
+
+@pytest.mark.parametrize("code", [code for code, _ in languages() if code != "en"])
+@pytest.mark.parametrize("own", ["never", "equal", "other", "gone"])
+def test_the_question_is_in_every_language(code, own, path):
+    level = load_level(path)
+    if own == "other":
+        save_level(level.replace(joints=()), path)
+    elif own == "gone":
+        path.unlink()
+    found = recovery.Recovery(
+        file=path.with_name("1.json"),
+        path=None if own == "never" else path,
+        format="kinetix-level",
+        time=KILLED,
+        level=level,
+    )
+    spoken = Language(read_words(code))
+    for parts in ({}, {"joints": ()}, {"thrusters": ()}, {"joints": (), "thrusters": ()}):
+        each = dataclasses.replace(found, level=level.replace(**parts))
+        said = spoken.translate(f"The app ended without saving\n{each.summary()}\n… and 2 more")
+        assert not re.search("shape|joint|thruster|file|edited|saved", said), said
+    assert sorted(spoken.missing) == []

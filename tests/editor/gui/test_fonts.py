@@ -110,3 +110,26 @@ def test_east_asian_letters_where_the_system_has_them(make_gui, family):
     gui = make_gui()
     gui.frames(60)
     assert FONTS.regular.is_glyph_in_font(FAMILY[family])
+
+
+def test_a_letter_has_its_size_whatever_the_toolkit_has_moved(make_gui):
+    gui = make_gui()
+    gui.frames(40)
+    fonts = imgui.get_io().fonts
+
+    def width(letter, size, font=FONTS.bold):
+        return font.get_font_baked(size).get_char_advance(ord(letter)) / size
+
+    width("n", 60.0)
+    for _ in range(5):
+        assert width("n", 26.0) == pytest.approx(width("n", 44.0), rel=0.1)
+        gui.frames()
+    picture, size = fonts.tex_data.unique_id, 100.0
+    while fonts.tex_data.unique_id == picture and size < 200:
+        # Until the picture of letters is full, and sizes that nobody needs go.
+        width("W", size, FONTS.regular)
+        size += 1
+    width("o", 26.0)
+    gui.frames()
+    large = width("m", 44.0)
+    assert large == pytest.approx(width("m", 26.0), rel=0.1)

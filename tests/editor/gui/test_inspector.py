@@ -13,6 +13,7 @@ from editor.documents.commands.group import Remove
 from editor.documents.commands.sizes import extent
 from editor.documents.document import Document
 from editor.editing.picking import joint_position
+from editor.toolkit import widgets
 from kinetix.level.codec import load_level, save_level
 from kinetix.level.model import Arena, ArenaBody, Body, Circle, Geometry, Level
 from tests.editor.core.helpers import a_level, a_session
@@ -665,3 +666,24 @@ def test_a_save_ends_an_open_menu_and_saves(saved):
     assert not gui.session.document.dirty
     assert any(f"Saved {path.name}" in line for line in gui.session.log.lines)
     assert not imgui.is_popup_open("", imgui.PopupFlags_.any_popup.value)
+
+
+def test_a_long_name_in_the_outliner_leaves_room_for_keys_and_signs(make_gui, monkeypatch):
+    told = []
+    monkeypatch.setattr(widgets, "tooltip", lambda *words, **options: told.append((words, options)))
+    gui = make_gui(level=a_level())
+    short, fitted = gui.probe("outliner.1"), []
+    cut = widgets.fitted
+
+    def note(words, room):
+        fitted.append((words, cut(words, room), room))
+        return fitted[-1][1]
+
+    monkeypatch.setattr(widgets, "fitted", note)
+    name = "A wheel of an uncommonly long name that nobody would read"
+    gui.session.execute(SetField(ids=(1,), field="name", value=name))
+    gui.move(*short.centre)
+    gui.frames(30)
+    (_, shown, room) = next(each for each in fitted if each[0] == name)
+    assert shown.endswith("…") and room < short.high[0] - short.low[0]
+    assert ((name,), {"own": True}) in told

@@ -467,3 +467,12 @@ def test_tabs_have_words_where_there_is_room(make_gui):
     assert all(
         gui.host.ui.workplace._tab_words.has_words(panel) for panel in gui.host.ui.workplace.panels
     )
+
+
+def test_keys_of_panels_bring_them_to_the_front_whatever_lies_there(make_gui):
+    gui = make_gui()
+    gui.frames(40)
+    for key, panel in (("f4", "plots"), ("f8", "timeline"), ("f4", "plots"), ("f7", "agents")):
+        gui.key(key)
+        gui.frames(10)
+        assert panel in {each.id for each in gui.host.ui.workplace._drawn}

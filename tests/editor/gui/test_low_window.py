@@ -211,3 +211,20 @@ def test_at_300_percent_the_gallery_is_left_by_its_cross_and_keys_have_names(mak
     gui.session.queue("app.keys")
     gui.frames(8)
     assert gui.probe("keys.file.new").low[0] > 300, "its name stands before it"
+
+
+def test_heads_of_dialogs_break_where_the_window_is_narrow(make_gui, language):
+    session = a_session()
+    session.settings.language = language
+    gui = make_gui(session=session, size=(800, 600), scale=2.0)
+    gui.session.queue("app.keys")
+    gui.frames(8)
+    edge = gui.probe("keys.close").high[0] + 10
+    gui.text("undo")
+    gui.frames(4)
+    assert gui.probe("keys.reset_all").high[0] <= edge
+    gui.key("escape")
+    gui.session.queue("file.save_as")
+    gui.frames(8)
+    assert gui.shows("browser.place.3")
+    assert all(gui.probe(f"browser.place.{k}").high[0] <= edge for k in range(4))

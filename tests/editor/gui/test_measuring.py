@@ -232,6 +232,18 @@ def test_a_tie_is_not_called_a_lead(with_agent, said):
     assert told.startswith("One leads: +1.00 (")
 
 
+def test_differences_are_in_one_language(with_agent, said):
+    with_agent.session.settings.language = "de"
+    try:
+        with_results(with_agent, "One", "Two", "Three", "Four")
+        (told,) = {language.tr(words) for words in said if "certain" in words}
+    finally:
+        language.use("en")
+    assert told.startswith("Kein Unterschied ist sicher. Four: +0.00 (")
+    assert told.count(" bis ") == told.count(" vor ") == 2 and " over " not in told
+    assert told.endswith(", und 1 weitere")
+
+
 def test_the_ways_of_another_level_are_not_shown_for_its_attempts(with_agent):
     gui, session = with_agent, with_agent.session
     with_results(gui, "Tester", level=session.document.level)

@@ -177,6 +177,18 @@ def test_a_window_that_was_resized_is_resized_again(make_gui, tmp_path):  # noqa
     assert gui.session.document.hash == expected.hash
 
 
+def test_a_script_resizes_the_window_wherever_it_begins_with_something_else(make_gui, tmp_path):  # noqa: F811
+    script = tmp_path / "events.jsonl"
+    window = {"do": "window", "size": [900, 700], "scale": 1.0}
+    script.write_text("\n".join(map(json.dumps, [{"do": "wait", "frames": 2}, window])))
+    gui = make_gui(session=a_session(), size=(1280, 800))
+    Replayer(gui.host, script).run()
+    assert gui.host.size == (900, 700)
+    script.write_text(json.dumps(window | {"size": [1280, 800]}))
+    with pytest.raises(KinetixError, match=":1: recorded in another window: give --size 1280x800"):
+        Replayer(gui.host, script).run()
+
+
 @pytest.mark.parametrize("size, scale", [([1e9, 5], 1), ([0, 5], 1), (["a", 5], 1), ([5, 5], 99)])
 def test_a_later_window_that_cannot_be_is_refused(make_gui, tmp_path, size, scale):  # noqa: F811
     script = tmp_path / "events.jsonl"
