@@ -10,19 +10,42 @@ from kinetix.pytree import pytree
 
 
 def motor_fade(
-    world: World, angle: Float[Array, "j n"], drive: Float[Array, "j n"], parameters: Parameters
+    world: World,
+    angle: Float[Array, "j n"],
+    drive: Float[Array, "j n"],
+    free: tuple[Float[Array, "j n"], Float[Array, "j n"]],
+    parameters: Parameters,
 ) -> Float[Array, "j n"]:
     """Return a motor's share of strength near a limit: 1 away from it, or when leaving it.
 
-    Only the sign of `drive` counts: which way the motor wants to turn the joint.
+    Args:
+        world: The worlds.
+        angle: Of the joints, from their reference angle [rad].
+        drive: Only its sign counts: which way the motor wants to turn the joint.
+        free: Lowest and highest angle at which the motor has its full strength [rad].
+        parameters: The constants of the law.
     """
     joints = world.joints
     band = parameters.motor_joint_limit
-    beyond = angle - jnp.clip(angle, joints.limit_min + band, joints.limit_max - band)
+    beyond = angle - jnp.clip(angle, *free)
     faded = jnp.where(
         ~joints.limited | (beyond == 0), 1, jnp.maximum(0, 1 - jnp.abs(beyond) / band)
     )
     return jnp.maximum(faded, (jnp.sign(beyond) != jnp.sign(drive)).astype(faded.dtype))
+
+
+def _free_range(
+    world: World, parameters: Parameters
+) -> tuple[Float[Array, "j n"], Float[Array, "j n"]]:
+    """Lowest and highest angle at which a motor has its full strength [rad].
+
+    Where the limits are closer together than two bands, both are the middle: neither direction is
+    stronger than the other.
+    """
+    joints, band = world.joints, parameters.motor_joint_limit
+    middle = (joints.limit_min + joints.limit_max) / 2
+    low = jnp.minimum(joints.limit_min + band, middle)
+    return low, jnp.maximum(joints.limit_max - band, middle)
 
 
 def motor_runs(world: World, action: Float[Array, "j n"]) -> Bool[Array, "j n"]:
@@ -83,7 +106,7 @@ def motor_row(
     strength = (
         parameters.base_motor_power
         * joints.motor_power
-        * motor_fade(world, angle, target, parameters)
+        * motor_fade(world, angle, target, _free_range(world, parameters), parameters)
         / nonzero(motors.inverse_inertia)
     )
     k = parameters.motor_decay_coefficient

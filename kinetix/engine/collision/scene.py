@@ -11,7 +11,7 @@ from jaxtyping import Array, Bool, Float, Int
 from kinetix.engine import constants
 from kinetix.engine.collision.moving import MovingCircle, MovingPolygon
 from kinetix.engine.lookup import take
-from kinetix.engine.maths import Vec, length, vec
+from kinetix.engine.maths import Vec, dot, length, vec
 from kinetix.engine.pairs import may_push
 from kinetix.engine.shapes import Polygons, rows, turn_polygons
 from kinetix.engine.store import Store
@@ -102,10 +102,26 @@ class Rules:
         # A corner covers ω·R·dt on top of its centre's way; a circle's turning moves nothing.
         radius = jnp.concatenate([shapes.polygons.radius, jnp.zeros_like(bodies.radius)], axis=0)
         sweep = jnp.abs(state.angular_velocity) * jnp.where(bodies.active, radius, 0)
-        closing = length(shapes.velocity[b] - shapes.velocity[a]) + sweep[a] + sweep[b]
-        ahead = parameters.dt * closing + constants.ACCELERATION_MARGIN
+        closing = jnp.maximum(length(shapes.velocity[b] - shapes.velocity[a]), _followed(shapes, pairs))
+        ahead = parameters.dt * (closing + sweep[a] + sweep[b]) + constants.ACCELERATION_MARGIN
         return Rules(
             may_touch=may_touch,
             pushes=may_touch & movable & world.collides[a, b],
             margin=jnp.maximum(constants.SPECULATIVE_DISTANCE, ahead),
         )
+
+
+def _followed(shapes: MovingShapes, pairs: Pairs) -> Float[Array, "q n"]:
+    """Speed at which one body of a pair flies towards where the other one is [m/s].
+
+    Bodies that fly behind each other do not close in until something stops the first one; the next
+    one runs into it within the same step.
+    """
+    a, b = pairs
+    apart = shapes.centre[b] - shapes.centre[a]
+    towards_b = dot(shapes.velocity[a], apart) > 0
+    towards_a = dot(shapes.velocity[b], apart) < 0
+    return jnp.maximum(
+        jnp.where(towards_b, length(shapes.velocity[a]), 0),
+        jnp.where(towards_a, length(shapes.velocity[b]), 0),
+    )

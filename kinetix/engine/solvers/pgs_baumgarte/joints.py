@@ -28,13 +28,16 @@ def drive(world: World, moving: Moving, control: Control, parameters: Parameters
         - joints.reference_angle
     )
     action = control.motor
+    # As kinetix-env does: limits that are close together have no such range, and the upper end counts.
+    band = parameters.motor_joint_limit
+    free = joints.limit_min + band, joints.limit_max - band
     target = parameters.base_motor_speed * joints.motor_speed * action
     error = take(moving.omega, joints.body_b) - take(moving.omega, joints.body_a) - target
     strength = (
         parameters.base_motor_power
         * joints.motor_power
         * parameters.dt
-        * actuators.motor_fade(world, angle, action, parameters)
+        * actuators.motor_fade(world, angle, action, free, parameters)
     )
     twist = strength / nonzero(inertia) * jnp.tanh(parameters.motor_decay_coefficient * error)
     twist = jnp.where(actuators.motor_runs(world, action), twist, 0)
