@@ -107,7 +107,7 @@ def _check(options: Options) -> None:
     """Refuse options that contradict each other or are out of range, before anything is opened.
 
     Raises:
-        KinetixError: They do, or are.
+        KinetixError: The options contradict each other or are out of range.
     """
     if options.serve and (options.replay is not None or options.bench):
         raise KinetixError("--serve shows the app to a person: leave out --replay and --bench")
@@ -275,8 +275,8 @@ def _tell_of_settings(session: Session) -> None:
         session.toast(fault, "warning")
     if session.keeper.fault:
         told = (
-            f"{session.keeper.fault}. The app starts with the usual settings. Mend the file now: "
-            "it will be written anew, and then the old one is a .bak file beside it"
+            f"{session.keeper.fault}. The app starts with the default settings. Repair the file "
+            "now: it will be replaced, and the old one is then kept as a .bak file beside it"
         )
         file.tell(session, "Preferences cannot be read", told)
 

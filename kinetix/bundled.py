@@ -24,7 +24,7 @@ def refuse_empty(word: str | Path, expected: str) -> None:
         expected: What it should be.
 
     Raises:
-        LevelError: It is empty.
+        LevelError: The word is empty.
     """
     if not str(word):
         raise LevelError(f'"": expected {expected}, got an empty word')

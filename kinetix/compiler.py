@@ -32,7 +32,7 @@ _QUICKER: Final = {
     # An eighth less time to compile a step, which runs as fast.
     "--xla_backend_optimization_level": "1",
 }
-"""Flags for machines without an accelerator, whose programs this level would be for as well."""
+"""Flags for CPU-only machines; elsewhere this level would apply to GPU programs too."""
 _PLUGINS: Final = ("jax_plugins", "libtpu")
 """Packages, one of which is there where JAX may find an accelerator."""
 

@@ -31,7 +31,7 @@ def wanted_cores(variables: Mapping[str, str] = os.environ) -> int:
         variables: The variables of the process.
 
     Raises:
-        KinetixError: It is not a number of cores.
+        KinetixError: The value is not a number of cores.
     """
     text = variables.get(CORES, "").strip()
     return available_cores() if not text else _checked(text, CORES)
@@ -97,7 +97,7 @@ def check_cores(cores: int | None) -> None:
     """Make sure that a number of cores is one; None stands for all of them.
 
     Raises:
-        KinetixError: It is less than one.
+        KinetixError: `cores` is less than one.
     """
     if cores is not None:
         _checked(str(cores), "cores")

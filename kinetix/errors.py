@@ -66,7 +66,7 @@ def one_sentence() -> Iterator[None]:
     """End a script with status 1 and the sentence alone where an error of ours comes out of it.
 
     Raises:
-        SystemExit: One did.
+        SystemExit: An error of ours was raised in the block.
     """
     try:
         yield

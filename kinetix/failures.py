@@ -46,7 +46,7 @@ def _terminate(*_: object) -> None:
 
 @contextlib.contextmanager
 def signals_to(handler: Callable[..., None], *numbers: int) -> Iterator[None]:
-    """Let a function take signals inside; then those have them who had them before.
+    """Install a handler for the block; the previous handlers are restored afterwards.
 
     Outside the main thread, where Python takes no signals, nothing changes.
 

@@ -11,9 +11,9 @@ from pathlib import Path
 from typing import Final
 
 _MOST: Final = 30_000
-"""So many maps, 60 levels' programs of 2.5 GB, leave room for all until the next look."""
+"""Programs are dropped above this many memory maps (about 60 levels, 2.5 GB)."""
 _MORE: Final = 5_000
-"""Programs in use cannot be dropped; after so many further maps dropping is tried again."""
+"""Programs in use cannot be dropped; after this many more maps dropping is tried again."""
 _LOOK_SECONDS: Final = 5.0
 
 

@@ -269,7 +269,7 @@ def _play_once_loaded(session: Session, path: str) -> None:
 
 
 def change_attempt(step: int) -> Callable[[Session], None]:
-    """An action that goes to another attempt, which has other draws; what plays starts anew."""
+    """Make an action for another attempt, with other random numbers; what plays restarts."""
 
     def run(session: Session) -> None:
         set_draws(session, attempt=max(session.viewer.draws.attempt + step, 0))
@@ -284,7 +284,7 @@ def set_draws(
     attempt: int | None = None,
     deterministic: bool | None = None,
 ) -> None:
-    """Give the agents other draws; an episode that an agent plays starts anew.
+    """Give the agents other random numbers; an episode that an agent plays restarts.
 
     While an attempt of an evaluation is on show, it alone has them.
     """

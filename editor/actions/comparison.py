@@ -117,7 +117,7 @@ def present(session: Session, summary: AgentSummary) -> AgentSummary:
     """Return an agent that can play: itself, or the loaded one with the same parameters.
 
     Raises:
-        CommandError: It is of a stored comparison, and no agent with its parameters is loaded.
+        CommandError: The agent is of a stored comparison, and none with its parameters is loaded.
     """
     if summary.ref.path:
         return summary

@@ -71,9 +71,11 @@ def cut(session: Session) -> None:
         return
     staying = sum(entity.id in ids for entity in session.document.level.entities())
     if staying == 1:
-        session.complain("1 thing stays: it hangs on what was not cut.")
+        session.complain("1 item was kept: it is attached to something that was not cut.")
     elif staying:
-        session.complain(f"{staying} things stay: they hang on what was not cut.")
+        session.complain(
+            f"{staying} items were kept: they are attached to something that was not cut."
+        )
     level = session.document.level
     lost = before - {joint.id for joint in (*level.joints, *found.joints)}
     if len(lost) == 1:
@@ -145,7 +147,7 @@ def named(level: Level, entity: int, name: str) -> SetField:
     name = name.strip()[:MAX_NAME].rstrip()
     record = next((each for each in level.entities() if each.id == entity), None)
     if record is None:
-        raise CommandError(f"What was to be called {name} is gone.")
+        raise CommandError(f"The item to be named {name} no longer exists.")
     plain = plain_name(record)
     shown = name or plain
     return SetField(
@@ -367,7 +369,7 @@ def _pieces(session: Session, least: int) -> list[tuple[Selection, Box]]:
     """The selected shapes with their boxes; jointed ones are one, unless nothing else is selected.
 
     Raises:
-        CommandError: There are fewer.
+        CommandError: Fewer shapes than `least` are selected.
     """
     level, chosen = session.document.level, _unlocked(session)
     bodies = {body.id: body for body in level.bodies if body.id in chosen}

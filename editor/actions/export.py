@@ -124,7 +124,7 @@ def write_for_kinetix_env(session: Session, document: Document, path: Path) -> N
         path: The file; not one of a level that is open.
 
     Raises:
-        CommandError: It is.
+        CommandError: The file is open in another window.
         LevelError: The file cannot be written, or the format cannot hold the level.
     """
     if any(_same(tab.document.path, path) for tab in session.tabs):

@@ -189,7 +189,7 @@ def _no_moment(session: Session) -> None:
     """Refuse to save a paused episode over the level.
 
     Raises:
-        CommandError: One is being changed.
+        CommandError: A paused episode is being changed.
     """
     if session.tab.moment is not None:
         raise CommandError(

@@ -78,7 +78,7 @@ def chosen_cards(session: Session) -> list[Card]:
     """Return the levels that are chosen.
 
     Raises:
-        CommandError: None is.
+        CommandError: No level is chosen.
     """
     chosen = session.gallery.chosen(session.library, session.results)
     if not chosen:

@@ -84,7 +84,7 @@ def duplicate(session: Session) -> None:
     """Copy the chosen levels; copies of the app's own go to the user's folder.
 
     Raises:
-        LevelError: Some cannot be copied; the others are.
+        LevelError: Some levels cannot be copied; the others are.
     """
     cards = gallery.chosen_cards(session)
     many_files.begin(session, "Copying levels", len(cards), _duplicated(session, cards))

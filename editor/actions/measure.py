@@ -105,7 +105,7 @@ def start_evaluation(
     """Begin an evaluation in the background.
 
     Raises:
-        CommandError: There is no agent, or the level in front has errors.
+        CommandError: No agent is given, or the level in front has errors.
         LevelError: A level is missing or bad.
     """
     if not agents:
@@ -336,8 +336,8 @@ def keep_results(session: Session) -> None:
     fault = session.results.take_fault()
     if fault:
         session.toast(
-            f"{fault}. Its results are not shown; with the next one the file is written anew, and "
-            "then the old one is a .bak file beside it",
+            f"{fault}. Its results are not shown. The next result replaces the file; the old one "
+            "is kept as a .bak file beside it.",
             "warning",
         )
     ended = session.viewer.evaluation.ended

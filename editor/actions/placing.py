@@ -1,4 +1,4 @@
-"""Drawing without a pointer: a shape of usual size in the middle of the view."""
+"""Drawing without a pointer: a shape of standard size in the middle of the view."""
 
 from typing import Final
 

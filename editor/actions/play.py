@@ -30,7 +30,7 @@ def _refuse_outgrown(level: Level) -> None:
     """Refuse a level that does not fit its size, before anything is compiled for it.
 
     Raises:
-        CommandError: It does not.
+        CommandError: The level does not fit its size.
     """
     if outgrown_capacity(level) is not None:
         raise CommandError(

@@ -30,7 +30,7 @@ def train_here(session: Session) -> None:
     """Begin to train an agent on the level, in a folder of the user's agents.
 
     Raises:
-        CommandError: There is nothing to learn, or a training is on.
+        CommandError: The level leaves nothing to learn, or a training is running.
     """
     training, level = session.training, session.document.level
     if training.running:
@@ -129,7 +129,7 @@ def update_training(session: Session) -> None:
     taken = _wanted(session, training.run)
     how = "F6 lets it play." if taken else "Choose it as agent A to see it play."
     if training.stopping:
-        session.toast(f"{name}: stopped, with what it had learnt. {how}", "success")
+        session.toast(f"{name}: stopped; its progress is saved. {how}", "success")
     else:
         session.toast(f"{name} is trained. {how}", "success")
     if taken:

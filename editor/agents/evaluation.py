@@ -81,11 +81,11 @@ class Row:
 
 
 def bare_summary(name: str, provenance: Provenance | None = None) -> AgentSummary:
-    """Return a player of which nothing was loaded: a scripted one, or one of a stored comparison.
+    """Return the summary of an agent that is not loaded: scripted, or of a stored comparison.
 
     Args:
-        name: Of a scripted one; otherwise what it was called.
-        provenance: Of a stored comparison's; then its folder is not known.
+        name: Of a scripted player, or the name in the comparison.
+        provenance: Of an agent of a stored comparison, whose folder is not known.
     """
     usual = EnvironmentCard()
     scripted = AgentSummary(

@@ -6,7 +6,7 @@ from typing import Final
 CAPACITY: Final = 400
 """Messages that are kept."""
 NEIGHBOURS: Final = 8
-"""Among so many of the newest a repeat is found: what fails in every frame writes several."""
+"""Repeats are detected among this many newest messages."""
 
 
 @dataclasses.dataclass(kw_only=True)

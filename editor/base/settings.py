@@ -148,7 +148,7 @@ class Settings:
         """Write the file.
 
         Raises:
-            LevelError: It cannot be written.
+            LevelError: The file cannot be written.
         """
         write_state(path or settings_path(), dataclasses.asdict(self))
 
@@ -185,7 +185,7 @@ class SettingsKeeper:
             again: Whether to try also what could not be written before.
 
         Raises:
-            LevelError: It cannot be written; it is not tried again before something else changes.
+            LevelError: The file cannot be written; the next change tries again.
         """
         now = dataclasses.asdict(self._settings)
         changed = {name: value for name, value in now.items() if value != self._written[name]}

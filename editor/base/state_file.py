@@ -51,7 +51,7 @@ def read_state(path: Path, *, broken: Mapping[str, Any] | None = None) -> dict[s
 
     Args:
         path: The file.
-        broken: What counts as its content where it is no JSON object; nothing by default.
+        broken: Value to return if the file is not a JSON object; an empty one by default.
     """
     try:
         return _object(path)
@@ -90,7 +90,7 @@ def write_state(
         The state of the new file as `write_atomically` does; None if it replaced a broken one.
 
     Raises:
-        LevelError: It cannot be written.
+        LevelError: The file cannot be written.
     """
     try:
         path.parent.mkdir(parents=True, exist_ok=True)

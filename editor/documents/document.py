@@ -206,7 +206,7 @@ class Document:
 
     @property
     def untouched(self) -> bool:
-        """True if nothing is lost with it: no file, no change, nothing to undo."""
+        """True if it can be closed without loss: no file, no change, nothing to undo."""
         return self.path is None and not self.dirty and not self.edited
 
     @property
@@ -279,7 +279,7 @@ class Document:
             Whether anything changed, what is new, what else happened.
 
         Raises:
-            CommandError: It cannot be done; the document is as before.
+            CommandError: The command cannot be done; the document is unchanged.
         """
         before = self._history.current.value
         after = command.apply(self.level)

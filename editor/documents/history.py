@@ -99,7 +99,7 @@ class History(Generic[T, S]):
         """Move the cursor to any snapshot.
 
         Raises:
-            IndexError: There is no such snapshot.
+            IndexError: No snapshot has this index.
         """
         if not 0 <= index < len(self._entries):
             raise IndexError(f"no history entry {index}; there are {len(self._entries)}")

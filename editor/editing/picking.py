@@ -76,7 +76,7 @@ def thruster_position(level: Level, thruster: Thruster) -> Point:
     """Return the place of a thruster [m].
 
     Raises:
-        KeyError: Its body is missing.
+        KeyError: The thruster's body is missing.
     """
     return to_world(bodies_by_id(level)[thruster.body], thruster.position)
 

@@ -144,7 +144,7 @@ def move_into(path: Path, folder: Path) -> MovedFile:
     When something of this name is there already the file gets a number.
 
     Raises:
-        LevelError: It cannot be moved; it stays where it is.
+        LevelError: The file cannot be moved; it stays where it is.
     """
     target = free_path(folder / path.name)
     try:
@@ -161,7 +161,7 @@ def throw_away(path: Path) -> MovedFile:
     Source: the Trash specification of freedesktop.org, version 1.0 (the home trash).
 
     Raises:
-        LevelError: It cannot be moved.
+        LevelError: The file cannot be moved.
     """
     folder, notes = _trash()
     try:

@@ -126,7 +126,7 @@ class Results(Kept):
         """Try again what could not be written.
 
         Raises:
-            LevelError: It still cannot.
+            LevelError: A file still cannot be written.
         """
         if self._unwritten:
             self.record_all({})

@@ -178,8 +178,7 @@ def _box(vertices: np.ndarray, clip: Rect) -> Rect:
     if not len(vertices):
         return (0.0, 0.0, 0.0, 0.0)
     places = np.ascontiguousarray(vertices[:, :2]).view(np.float32)
-    # A gap in a plotted curve leaves corners that are no numbers: they draw nothing, but one of
-    # them would make the whole box nothing too.
+    # A gap in a plotted curve leaves NaN corners: they draw nothing, but would make the box NaN.
     places = places[~np.isnan(places).any(axis=1)]
     if not len(places):
         return (0.0, 0.0, 0.0, 0.0)

@@ -91,11 +91,11 @@ class Canvas:
         """Make one; its content is undefined at first.
 
         Raises:
-            KinetixError: The driver cannot draw into pictures.
+            KinetixError: The driver has no framebuffer objects.
         """
         gl = _library()
         if not all(hasattr(gl, name) for name in _CANVAS_FUNCTIONS):
-            raise KinetixError("this OpenGL cannot draw into pictures")
+            raise KinetixError("this OpenGL has no framebuffer objects")
         self.size = (width, height)
         self._texture = create_texture()
         gl.glTexImage2D(_TEXTURE_2D, 0, _RGB8, width, height, 0, _RGB, _UNSIGNED_BYTE, None)
@@ -110,7 +110,7 @@ class Canvas:
         self.unbind()
         if not complete:
             self.delete()
-            raise KinetixError("this OpenGL cannot draw into pictures")
+            raise KinetixError("this OpenGL has no framebuffer objects")
 
     def bind(self) -> None:
         """Draw into it from now on."""

@@ -99,7 +99,7 @@ class Agent:
             params: Parameters of the network (the tree below "params").
 
         Raises:
-            KinetixError: They are the whole tree, as `Agent.params` and Flax's variables are.
+            KinetixError: `params` is the whole tree, as `Agent.params` and Flax's variables are.
         """
         if "params" in params:
             raise KinetixError(
@@ -136,10 +136,10 @@ class Agent:
         """Memory at the start of episodes.
 
         Args:
-            batch: How many.
+            batch: How many episodes.
 
         Raises:
-            KinetixError: It is no number of episodes.
+            KinetixError: `batch` is not a number of episodes.
         """
         if not isinstance(batch, int | np.integer) or batch < 0:
             raise KinetixError(f"batch={batch!r}: expected a number of episodes")
@@ -202,7 +202,8 @@ def load_agent(directory: str | Path, accept: Callable[[AgentCard], None] | None
         accept: Looks at the description before any array is read; raises if it does not fit.
 
     Raises:
-        CheckpointError: It is none of these, is damaged, or does not fit; one sentence.
+        CheckpointError: The directory holds no agent, or one that is damaged or does not fit; one
+            sentence.
     """
     refuse_forked_process()
     _check_directory(directory)
@@ -223,7 +224,7 @@ def _check_directory(directory: Any) -> None:
     """Refuse what names no directory.
 
     Raises:
-        CheckpointError: It is empty, or no path at all.
+        CheckpointError: `directory` is empty, or not a path.
     """
     if not isinstance(directory, str | Path) or not str(directory):
         raise CheckpointError(f"directory={directory!r}: expected the directory of an agent")
@@ -252,7 +253,8 @@ def save_agent(
         format: "kinetix-agent" (ours) or "kinetix-env" (kinetix-env's form).
 
     Raises:
-        CheckpointError: It is no agent, cannot be written, or the format cannot say it.
+        CheckpointError: `agent` is not an agent, cannot be written, or has something that the
+            format cannot hold.
     """
     if not isinstance(agent, Agent):
         raise CheckpointError(

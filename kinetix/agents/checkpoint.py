@@ -116,7 +116,7 @@ def check_environment(path: Path, environment: EnvironmentCard) -> None:
         environment: What it says.
 
     Raises:
-        CheckpointError: One of them is unknown.
+        CheckpointError: The physics or the parity is unknown.
     """
     try:
         solver_named(environment.physics)
@@ -168,7 +168,7 @@ def newest_checkpoint(directory: Path) -> Path:
         directory: A checkpoint or a run.
 
     Raises:
-        CheckpointError: There is none.
+        CheckpointError: The directory has no checkpoint.
     """
     if os.path.isfile(directory / CARD):
         return directory

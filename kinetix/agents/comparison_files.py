@@ -35,7 +35,7 @@ def check_size(path: Path, policies: int, levels: Sequence[str], attempts: int) 
         attempts: Per policy and level.
 
     Raises:
-        KinetixError: It would be too large.
+        KinetixError: The file would be too large.
     """
     each = _LEVEL_BYTES + attempts * _EPISODE_BYTES
     names = sum(len(json.dumps(name)) for name in levels)

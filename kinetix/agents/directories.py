@@ -24,7 +24,7 @@ def replacing_directory(directory: Path) -> Iterator[Path]:
         Path of a folder beside it.
 
     Raises:
-        CheckpointError: It cannot be written, or is the current folder.
+        CheckpointError: The folder cannot be written, or is the current folder.
     """
     if not directory.name:
         raise CheckpointError(

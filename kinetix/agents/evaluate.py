@@ -306,7 +306,7 @@ def prepare(player: Player, level: NamedLevel) -> Prepared:
 
     Raises:
         CheckpointError: The player cannot play it.
-        LevelError: It is bad.
+        LevelError: The level has errors.
     """
     capacity, key = capacity_and_key(level.source)
     capacity = capacity_for(player.card, capacity, level=level.name)

@@ -96,7 +96,7 @@ def write_peer_checkpoint(directory: Path, card: AgentCard, params: Mapping[str,
         params: Its parameters (the tree below "params").
 
     Raises:
-        CheckpointError: It cannot be written.
+        CheckpointError: The agent cannot be written.
     """
     model = dataclasses.asdict(card.network)
     model["permutation_invariant_mlp"] = model.pop("kind") == "permutation_invariant_mlp"
@@ -127,7 +127,7 @@ def write_files(directory: Path, arrays: Mapping[str, np.ndarray], config: str) 
         config: The configuration as JSON.
 
     Raises:
-        CheckpointError: They cannot be written.
+        CheckpointError: The files cannot be written.
     """
     try:
         directory.mkdir(parents=True, exist_ok=True)

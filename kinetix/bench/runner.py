@@ -42,7 +42,7 @@ def run_trials(
         trials: Of any duration and time step.
         solver: The method and its settings.
         binary64: Whether to compute in binary64 instead of binary32.
-        every: Record only each so-manieth step; the motions then have a `dt` as much longer.
+        every: Record every n-th step only; the `dt` of the motions is then n times as long.
         like: Further trials that capacity and features have to cover, for comparing the runs.
         spec: Capacity and features; by default exactly what all these trials need.
     """

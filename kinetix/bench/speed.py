@@ -95,7 +95,7 @@ def measure_speed(settings: SpeedSettings) -> Iterator[dict[str, Any]]:
     actions, frame_skip 1, jitted scans, the median of at least five runs after a warm-up.
 
     Raises:
-        KinetixError: There is no level of a size, or no such observation.
+        KinetixError: A size has no level, or the observation is unknown.
     """
     kinds = ("none", *(kind.value for kind in ObservationType))
     if settings.observation not in kinds:

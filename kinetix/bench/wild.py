@@ -27,7 +27,7 @@ from kinetix.environment.params import (
 from kinetix.environment.state import EnvState
 
 SAMPLED: Final = 8
-"""Overlaps and joint gaps are looked at each so-manieth step."""
+"""Overlaps and joint gaps are measured at every n-th step."""
 JUMP: Final = 10.0
 """Kinetic energy that no step should add [J]."""
 

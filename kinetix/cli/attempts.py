@@ -45,7 +45,7 @@ def check_attempt(attempt: int | None, players: Sequence[str]) -> None:
         players: Values of `--agent` and `--rival`.
 
     Raises:
-        KinetixError: It is out of range, or only recorded solutions play.
+        KinetixError: The attempt is out of range, or only recorded solutions play.
     """
     if attempt is None:
         return

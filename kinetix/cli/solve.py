@@ -115,7 +115,7 @@ def _tasks(
         write: Whether solutions are going to be recorded.
 
     Raises:
-        LevelError: None of them can.
+        LevelError: None of the levels can be searched.
     """
     refused = list(unreadable)
     for each in given:

@@ -183,7 +183,7 @@ def _runs(
     """The directory of every run, and its hyper-parameters.
 
     Raises:
-        KinetixError: There are several, and theirs is one run's own.
+        KinetixError: Several runs share an option that is for one run only.
     """
     if os.path.isfile(command.out / CONFIG) and (sweep is not None or command.seeds > 1):
         raise KinetixError(
@@ -210,7 +210,7 @@ def _configured(algorithm: str, command: Common, values: dict[str, Any], out: Pa
     """The configuration of one run.
 
     Raises:
-        KinetixError: It is bad; in a sweep the sentence begins with the run.
+        KinetixError: The configuration is wrong; in a sweep the message begins with the run.
     """
     from kinetix.training.settings import make_config
 

@@ -464,7 +464,7 @@ def find(module: str, name: str) -> Any:
         name: One of its names.
 
     Raises:
-        ImportError: There is no such thing here; the sentence says what to use.
+        ImportError: The name has no counterpart here; the message says what to use.
     """
     place = MODULES[module][name]
     if not place.home:

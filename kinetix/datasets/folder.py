@@ -77,7 +77,7 @@ def read_manifest(folder: Path) -> Manifest:
         folder: The data set.
 
     Raises:
-        KinetixError: There is no data set, or its manifest is bad; one sentence.
+        KinetixError: The folder is not a data set, or its manifest is bad; one sentence.
     """
     path = folder / MANIFEST
     if not os.path.isfile(path):
@@ -104,8 +104,8 @@ def read_dataset(folder: Path, *, check: bool = True) -> Iterator[RecordedEpisod
         check: Compare each shard with what the manifest says of it.
 
     Raises:
-        KinetixError: There is no data set, a shard is missing or damaged, or another than the
-            manifest says; one sentence.
+        KinetixError: The folder is not a data set, or a shard is missing, damaged, or differs from
+            the manifest; one sentence.
     """
     for k, shard in enumerate(read_manifest(folder).shards):
         path = folder / shard.file
@@ -134,7 +134,7 @@ def win_origins(folder: Path) -> Iterator[Origin]:
         folder: The data set.
 
     Raises:
-        KinetixError: There is no data set, or a shard is missing or damaged; one sentence.
+        KinetixError: The folder is not a data set, or a shard is missing or damaged; one sentence.
     """
     for shard in read_manifest(folder).shards:
         if shard.origins is not None:
@@ -251,7 +251,7 @@ def unlisted_shards(folder: Path) -> list[Path]:
         folder: The data set.
 
     Raises:
-        KinetixError: There is no data set.
+        KinetixError: The folder is not a data set.
     """
     listed = {shard.file for shard in read_manifest(folder).shards}
     return sorted(path for path in folder.glob("*.npz") if path.name not in listed)

@@ -224,7 +224,7 @@ def read_offline(folder: Path) -> Iterator[RecordedEpisode]:
         folder: Shards (`.npz`) with the fields of kinetix-env's layout.
 
     Raises:
-        KinetixError: There is no shard, or one is damaged or holds something else.
+        KinetixError: The folder has no shard, or one that is damaged or holds something else.
     """
     shards = sorted(folder.glob("*.npz"))
     if not shards:

@@ -1,6 +1,6 @@
-"""Recorded episodes played again: whether the controls alone tell them, and the states they pass.
+"""Recorded episodes played again, to check that the controls reproduce them and for their states.
 
-Nothing but controls is kept on disk, so observations of any kind can be made anew.
+Only controls are kept on disk; observations of any kind can be computed from them.
 """
 
 import dataclasses

@@ -113,7 +113,7 @@ def read_ids(path: Path) -> tuple[str, ...]:
     """Return the identities of a shard's episodes.
 
     Raises:
-        KinetixError: It cannot be read, or is no shard.
+        KinetixError: The file cannot be read, or is not a shard.
     """
     arrays = read_npz(path, "episodes", only=("schema", "episode_id"))
     _check_schema(arrays, path)

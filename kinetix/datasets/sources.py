@@ -49,12 +49,12 @@ class _Places:
     named: bool
     """True if the word is the place itself: what is wrong with it is an error."""
     passed_over: tuple[str, ...] = ()
-    """A sentence per file below a folder that is called a level or a data set and is none."""
+    """A message per file below a folder that is named like a level or data set but is not one."""
     unlike: frozenset[Path] = frozenset()
-    """Folders of data sets with a bad manifest: what their shards are is said by that."""
+    """Folders of data sets with a bad manifest; their shards are not reported again."""
 
     def sound(self, items: Iterator[T], tell: Callable[[str], Any]) -> Iterator[T]:
-        """Yield items until one is damaged, which is told below a folder and raised elsewhere."""
+        """Yield items until one is damaged: reported below a folder, raised elsewhere."""
         try:
             yield from items
         except KinetixError as error:
@@ -88,7 +88,7 @@ class _Places:
 
 
 def untold(sentence: str) -> None:
-    """Leave a sentence out: who wants to know it has been told."""
+    """Discard a message; it has been reported already."""
 
 
 def episodes_of(source: str, tell: Callable[[str], Any] = untold) -> Iterator[FoundEpisode]:

@@ -46,7 +46,7 @@ def episode_of_arrays(arrays: dict[str, np.ndarray], level: Level, name: str) ->
         name: How messages call it.
 
     Raises:
-        KinetixError: It does not begin at the start, or has no end.
+        KinetixError: The episode does not begin at the start, or has no end.
         KeyError: An array is missing.
         ValueError: An array has the wrong shape.
     """

@@ -1,8 +1,8 @@
-"""A step of just the slots that a scene fills, in a state that keeps all of them. One world.
+"""A step of only the slots that a scene fills, in a state with all of them. One world.
 
 Cost grows with the capacity, so a level that fills 7 of 16 bodies and no joint steps several times
-as fast in a step of its own size. The state keeps the capacity of its size: whoever observes,
-draws or edits it need not know.
+as fast in a step of its own size. The state keeps the capacity of its size: observation, rendering
+and editing code is unaffected.
 """
 
 import dataclasses

@@ -20,7 +20,7 @@ def takes_whole_batches() -> bool:
 
 @contextlib.contextmanager
 def whole_batches() -> Iterator[None]:
-    """Trace what follows as for an accelerator; also the way to run that program on a processor."""
+    """Trace the enclosed code for an accelerator, even if it runs on a CPU."""
     token = _WHOLE.set(True)
     try:
         yield

@@ -87,7 +87,7 @@ class KinetixEnv(MethodsOfKinetixEnv):
         )
 
     def __deepcopy__(self, memo: Any) -> Self:
-        """Itself, as for any value: a copy of `reset_fn` would be another, and compile anew."""
+        """Return the environment itself: a copied `reset_fn` would be unequal and recompile."""
         return self
 
     @property
@@ -148,7 +148,7 @@ class KinetixEnv(MethodsOfKinetixEnv):
             Observation and state.
 
         Raises:
-            KinetixError: There is neither an override nor a `reset_fn`, or the state does not fit.
+            KinetixError: Neither an override nor a `reset_fn` is given, or the state does not fit.
         """
         if isinstance(env_params, EnvState) and override_reset_state is None:
             # Wrappers whose `reset` has one argument beside the key pass a level through it.
@@ -209,7 +209,7 @@ class KinetixEnv(MethodsOfKinetixEnv):
         """The observation of a state.
 
         Raises:
-            KinetixError: It is no state, a batch of them, or one of other sizes.
+            KinetixError: `state` is not a state, is a batch of them, or has other sizes.
         """
         check_one_state(state, "jax.vmap(env.get_obs)")
         check_size(state, self.static_env_params.capacity)

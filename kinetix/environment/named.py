@@ -111,7 +111,7 @@ def _all_of(levels: Levels) -> list[SetLevel]:
     """The levels, one by one.
 
     Raises:
-        KinetixError: There is none, or something else among them.
+        KinetixError: `levels` is empty, or has something that is not a level.
     """
     if isinstance(levels, LoadedSet):
         return list(levels.levels)

@@ -84,7 +84,7 @@ def as_numbers(env_params: EnvParams) -> EnvParams:
         env_params: Of an environment that is about to be made.
 
     Raises:
-        KinetixError: One is traced.
+        KinetixError: A parameter is traced.
     """
     changes: dict[str, Any] = {}
     for field in dataclasses.fields(env_params):

@@ -108,7 +108,7 @@ def permute_state(
         static_env_params: Taken for kinetix-env's sake; the state knows its sizes.
 
     Raises:
-        KinetixError: It is no key or no state, or a batch.
+        KinetixError: `key` is not a key, `state` is not a state, or one is a batch.
     """
     del static_env_params
     refuse_forked_process()

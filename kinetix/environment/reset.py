@@ -222,7 +222,7 @@ def make_reset_fn_list_of_levels(
         A function of a key; every level is equally likely where no weights are given.
 
     Raises:
-        KinetixError: There is no level, or one does not fit; the message says which and why.
+        KinetixError: No level is given, or one does not fit; the message says which and why.
     """
     check_static_params(
         static_env_params, "the order is make_reset_fn_list_of_levels(levels, static_env_params)"

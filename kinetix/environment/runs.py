@@ -119,7 +119,7 @@ def simulate(
     Raises:
         KinetixError: An argument is none of that; or the process was forked from one in which JAX
             runs.
-        LevelError: There is no such level, or it cannot be compiled.
+        LevelError: The level does not exist, or cannot be compiled.
     """
     refuse_forked_process(f"{SPAWN}; a sweep in one process reuses what it has compiled")
     make_room()

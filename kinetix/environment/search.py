@@ -36,9 +36,9 @@ from kinetix.pytree import on_device
 ELITE: Final = 24
 """Plans that a round keeps."""
 FRESH: Final = 64
-"""Plans a round that owe nothing to earlier ones."""
+"""Fresh random plans per round."""
 ROWS: Final = 512
-"""Plans are padded to a multiple of so many steps."""
+"""Plans are padded to a multiple of this many steps."""
 LOST: Final = 10.0
 """Distance that a loss counts for when plans are ranked [m]."""
 

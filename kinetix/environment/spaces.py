@@ -38,7 +38,7 @@ class _Kind(enum.Enum):
         """Return the member with a name; a member stays as it is, an environment's own becomes it.
 
         Raises:
-            KinetixError: There is none of this name; the sentence lists them.
+            KinetixError: No member has this name; the message lists them.
         """
         try:
             name = getattr(name, "value", name)

@@ -73,7 +73,7 @@ class EnvState(FieldsOfKinetixEnv):
             **changes: New values: `gravity=…`, `polygon=state.polygon.replace(friction=…)`.
 
         Raises:
-            KinetixError: There is no such field.
+            KinetixError: The state has no such field.
         """
         return dataclasses.replace(self, **own_changes(self, changes))
 
@@ -122,7 +122,7 @@ def stack_states(states: list[EnvState]) -> Any:
     By numpy: JAX would compile a program for every array, of a thousand levels for minutes.
 
     Raises:
-        KinetixError: There is no state, or they are of several sizes.
+        KinetixError: No state is given, or the states are of several sizes.
     """
     shapes = {tuple(np.shape(x) for x in jax.tree.leaves(state)) for state in states}
     if len(shapes) != 1:

@@ -6,9 +6,9 @@ pass to the time limit costs as much as one batch of whole plans, and can string
 whole plan hits upon by chance, such as the steps of a walk. A little noise in the ranking keeps
 attempts alive that must first go away from the goal.
 
-A batch rounds differently from an episode that is played alone, and a walk of many steps makes a
-fall of such a difference. Where plans win in the batch only, the best one is followed alone for a
-while, and the search goes on from where that really leads, until what remains is short enough.
+Batched and single episodes round differently; over many steps the difference can turn a walk into a
+fall. Where plans win in the batch only, the best one is followed alone for a while, and the search
+goes on from where that really leads, until what remains is short enough.
 """
 
 import dataclasses

@@ -132,7 +132,7 @@ def vectorize(env: Any) -> VectorEnv:
         env: An environment for one world, or a wrapper around one; a vectorised one stays as it is.
 
     Raises:
-        KinetixError: It is no environment, or a wrapper around a vectorised one.
+        KinetixError: `env` is not an environment, or wraps a vectorised one.
     """
     check_env(env)
     if isinstance(env, VectorEnv):

@@ -1,4 +1,4 @@
-"""One file of a cache: compressed, thrown away where it is not whole, absent where none can be."""
+"""A compressed cache file; deleted if damaged, skipped if the folder is not writable."""
 
 import contextlib
 import os

@@ -111,8 +111,8 @@ class KinetixGymEnv(gymnasium.Env[Any, Any]):
                 compiled anew where it has what the environment's own levels lack.
 
         Raises:
-            KinetixError: There is no such option, or the level does not fit. Or the process was
-                forked since the environment was made.
+            KinetixError: An option is unknown, the level does not fit, or the process was forked
+                since the environment was made.
         """
         refuse_fork()
         level = checked_options(options, "level").get("level")

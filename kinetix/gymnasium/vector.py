@@ -122,8 +122,8 @@ class KinetixVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
             options: `{"reset_mask": mask}`: which environments start anew.
 
         Raises:
-            KinetixError: There is no such option, the mask or the seeds are of another number, or
-                a seed is out of range. Or the process was forked since the batch was made.
+            KinetixError: An option is unknown, the mask or the seeds are of another number, a seed
+                is out of range, or the process was forked since the batch was made.
         """
         refuse_fork()
         make_room()
@@ -221,7 +221,7 @@ class KinetixVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
             An answer per environment. Its spaces are those of one, as in Gymnasium's own batches.
 
         Raises:
-            KinetixError: One environment has no such method here: it plays with all others.
+            KinetixError: The method exists on single environments only: here all play together.
         """
         if name in ("reset", "step"):
             raise KinetixError(f"call: {name!r} plays the whole batch; call env.{name}(…)")
@@ -245,7 +245,7 @@ class KinetixVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
             values: One for all; or a list or tuple of one per environment, all equal.
 
         Raises:
-            KinetixError: There are differing values, or values of another number.
+            KinetixError: The values differ, or are of another number.
         """
         if isinstance(values, list | tuple):
             first, *others = values or [None]

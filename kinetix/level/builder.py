@@ -77,7 +77,7 @@ class LevelBuilder:
             level: Such as `kinetix.load_level("s/first_flight")`.
 
         Raises:
-            LevelError: It is no level.
+            LevelError: `level` is not a level.
         """
         if not isinstance(level, Level):
             raise LevelError(f"level: expected a kinetix.Level, got {type(level).__name__}")

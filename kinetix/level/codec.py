@@ -66,7 +66,7 @@ def resolve_path(name: str | Path) -> Path:
     name, it is ignored.
 
     Raises:
-        LevelError: There is no such file.
+        LevelError: The file does not exist.
     """
     if isinstance(name, Level):
         raise LevelError(f"{name!r:.60}: this is a level already, no file")
@@ -170,7 +170,7 @@ def level_from_tree(tree: dict[str, Any], file: str, path: str = "$") -> Level:
         path: Where the object stands in the file.
 
     Raises:
-        LevelError: It is bad; one sentence with file and JSON path.
+        LevelError: The JSON is not a valid level; one sentence with file and JSON path.
     """
     faults = FaultCollector()
     level = None
@@ -283,8 +283,8 @@ def save_level(
         The names of the fields that the format cannot say; empty for our own format.
 
     Raises:
-        LevelError: It is no level, or one that could not be read again; the file cannot be written,
-            or the format cannot hold it. The file is as it was then.
+        LevelError: `level` is not a level, or one that could not be read again; the file cannot be
+            written, or the format cannot hold the level. The file is unchanged then.
     """
     if isinstance(path, Level):
         raise LevelError("the order is save_level(level, path)")
@@ -309,7 +309,7 @@ def check_level(level: Level, name: str) -> None:
         name: Begins the sentence.
 
     Raises:
-        LevelError: It has a fault; one sentence with the JSON path of what is wrong.
+        LevelError: The level has a fault; one sentence with the JSON path of what is wrong.
     """
     level_from_tree(_sayable_tree(level, name), name)
 
@@ -321,7 +321,7 @@ def check_computable(level: Level) -> None:
         level: A level that was made in Python, where anything can be.
 
     Raises:
-        LevelError: It has a fault; one sentence with the JSON path of what is wrong.
+        LevelError: The level has a fault; one sentence with the JSON path of what is wrong.
     """
     name = f"level {level.name!r}"
     tree = _sayable_tree(level, name)

@@ -87,7 +87,7 @@ def refuse_all(wrong: Sequence[str], *, of: int, what: str) -> None:
         what: What `wrong` has in common: `levels have errors`.
 
     Raises:
-        LevelError: There are.
+        LevelError: `wrong` is not empty.
     """
     if len(wrong) == 1:
         raise LevelError(wrong[0])

@@ -94,7 +94,7 @@ def packed(film: Film) -> dict[str, Any]:
     """Return a film as JSON values, its arrays as base64 of small integers.
 
     Bodies that never move have one pose, the others one for each of the moments in `shown`; times,
-    controls and values are there for all of them.
+    controls and values are stored for every moment.
     """
     count = len(film.seconds)
     rows = _spread(count, MOST_BYTES // 2 // _ROW_BYTES)

@@ -45,7 +45,7 @@ def write_film(
         comment: Kept in the file: what was played, by whom, under what.
 
     Raises:
-        KinetixError: There is no picture, an MP4 is asked for without the extra `video`, or ffmpeg
+        KinetixError: No picture is given, an MP4 is asked for without the extra `video`, or ffmpeg
             cannot make it.
         OSError: The file cannot be written.
     """
@@ -146,9 +146,9 @@ def _gif_blocks(timed: Iterator[tuple[Image.Image, int]], comment: str) -> Itera
 
 
 def _lasting(part: dict[str, Any], picture: Image.Image, time: int) -> Iterator[bytes]:
-    """Yield what a GIF holds of a picture that lasts for any time [0.01 s].
+    """Yield GIF frames that show one picture for the given time [0.01 s].
 
-    Where one entry cannot last so long, one of its pixels is written again.
+    If one frame cannot last so long, another one rewrites a single pixel.
 
     Args:
         part: What `getdata` writes of it.

@@ -91,6 +91,6 @@ class SuiteScene:
         """The level of one trial, as a document to look at.
 
         Raises:
-            IndexError: There is no such trial.
+            IndexError: The scene has no such trial.
         """
         return self.make_trials()[variant].level

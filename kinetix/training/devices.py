@@ -84,7 +84,7 @@ def to_host(tree: Any) -> Any:
 
 
 def placed(tree: Any, placement: PartitionSpec) -> Any:
-    """Put arrays where a program leaves them that was told to.
+    """Place arrays on the devices with the given sharding.
 
     Args:
         tree: Whole numpy arrays, the same in every process.

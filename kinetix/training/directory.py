@@ -80,7 +80,8 @@ def refuse_lost_checkpoints(out: Path, config: PpoConfig) -> None:
         config: The run's configuration.
 
     Raises:
-        KinetixError: It has; a kill before the first checkpoint leaves fewer rows.
+        KinetixError: The run has come further; a kill before the first checkpoint leaves fewer
+            rows.
     """
     done = max((row[UPDATE] for row in read_metrics(out)), default=0)
     if done > (config.checkpoint_save_freq or config.num_updates):

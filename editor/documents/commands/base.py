@@ -32,7 +32,7 @@ class Command(Protocol):
         """The level after the edit; the same object when nothing changes.
 
         Raises:
-            CommandError: It cannot be done; the sentence is for the status bar.
+            CommandError: The edit cannot be done; the message is for the status bar.
         """
         ...
 

@@ -95,7 +95,7 @@ def loads_level(text: str) -> Level | None:
     """Read the text of a level's file; None where it is none.
 
     Raises:
-        CommandError: It is one that cannot be read.
+        CommandError: The text is a level's file that cannot be read.
     """
     if FORMAT in text[:200] or not any(mark in text for mark in _LEVEL_MARKS):
         return None

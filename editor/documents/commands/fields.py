@@ -56,7 +56,7 @@ def read_field(record: Record, path: str) -> Any:
     `position.x` and `vertices.2` reach into tuples.
 
     Raises:
-        CommandError: There is no such field.
+        CommandError: The record has no such field.
     """
     value: Any = record
     for part in path.split("."):
@@ -73,7 +73,7 @@ def with_field(record: Record, path: str, value: Any) -> Record:
     """A copy with a dotted field changed.
 
     Raises:
-        CommandError: There is no such field, or the format does not allow the value.
+        CommandError: The record has no such field, or the format does not allow the value.
     """
     return _changed(record, record, path.split("."), value, path)
 
@@ -391,7 +391,7 @@ class SetLevelField:
         """Set the field.
 
         Raises:
-            CommandError: There is no such field, or the format does not allow the value.
+            CommandError: The entity has no such field, or the format does not allow the value.
         """
         head = self.field.split(".")[0]
         if head in ("bodies", "joints", "thrusters", "solution"):

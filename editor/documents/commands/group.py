@@ -207,7 +207,7 @@ class Stretch:
         """Scale the body.
 
         Raises:
-            CommandError: There is no such body, or a factor is not positive.
+            CommandError: The body does not exist, or a factor is not positive.
         """
         body = _chosen(level, (self.body,))[0]
         if not min(self.factors) > 0:
@@ -261,7 +261,7 @@ class SetVertices:
         """Reshape the polygon; anchors and thrusters stay where they are in the world.
 
         Raises:
-            CommandError: There is no such body, or it would not be a convex polygon any more.
+            CommandError: The body does not exist, or would no longer be a convex polygon.
         """
         old = _chosen(level, (self.body,))[0]
         fault = polygon_fault(self.vertices)

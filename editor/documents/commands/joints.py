@@ -95,7 +95,7 @@ class MoveJoint:
         """Set both anchors.
 
         Raises:
-            CommandError: There is no such joint.
+            CommandError: The joint does not exist.
         """
         return _with_joint(level, self.joint, lambda joint: self._moved(level, joint))
 
@@ -127,7 +127,7 @@ class RehangJoint:
         """Join the other bodies.
 
         Raises:
-            CommandError: There is no such joint, a body is missing, or both are the same.
+            CommandError: The joint or a body does not exist, or both bodies are the same.
         """
 
         def rehung(joint: Joint) -> Joint:
@@ -161,7 +161,7 @@ class ReassignJoint:
         """Change one end.
 
         Raises:
-            CommandError: There is no such joint, or both ends would be the same body.
+            CommandError: The joint does not exist, or both ends would be the same body.
         """
         return _with_joint(level, self.joint, lambda joint: self._reassigned(level, joint))
 

@@ -20,7 +20,7 @@ CENTRE_TOLERANCE = 1e-6
 
 
 def component(level: Level, ids: Collection[EntityId]) -> set[int]:
-    """The given bodies and all that hang on them by joints; the arena joins nothing."""
+    """Return the given bodies and all joined to them; joints to the arena connect nothing."""
     reached = {body.id for body in level.bodies if body.id in ids}
     grown = True
     while grown:
@@ -51,10 +51,10 @@ def with_bodies(level: Level, ids: Collection[EntityId], change: Callable[[Body]
 
 
 def unwound(before: Level, after: Level, ids: Collection[EntityId]) -> Level:
-    """The level after bodies were turned, without the whole turns that they have come round.
+    """Return the level after bodies were turned, without the whole turns that they made.
 
-    The eye does not see them, but a hinge with limits counts them. What is joined together loses
-    them together.
+    Whole turns are invisible, but joint limits count them; all bodies of a component lose the same
+    number.
     """
     turns: dict[int, int] = {}
     for piece in joined(before, ids):

@@ -124,7 +124,7 @@ class SetCorner:
         """Reshape the polygon.
 
         Raises:
-            CommandError: It would not be a convex polygon any more.
+            CommandError: The body would no longer be a convex polygon.
         """
         body = level.body(self.body)
         assert not isinstance(body.shape, Circle)

@@ -48,7 +48,7 @@ class AddThruster:
         """Append the thruster.
 
         Raises:
-            CommandError: There is no such body.
+            CommandError: The body does not exist.
         """
         try:
             body = level.body(self.body)
@@ -87,7 +87,7 @@ class PlaceThruster:
         """Change the thruster.
 
         Raises:
-            CommandError: There is no such thruster.
+            CommandError: The thruster does not exist.
         """
         if all(thruster.id != self.thruster for thruster in level.thrusters):
             raise CommandError(f"There is no thruster {self.thruster}.")

@@ -196,7 +196,7 @@ def read(said: object) -> tuple[list[Message], list[KinetixError]]:
         said: A list of messages, each a list of its name and its values.
 
     Raises:
-        KinetixError: It is none.
+        KinetixError: The text is not a message of the page.
     """
     if not isinstance(said, list):
         raise KinetixError("input: expected a list of messages")

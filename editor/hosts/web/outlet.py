@@ -16,7 +16,7 @@ _REST: Final = 0.2
 _HEARTBEAT: Final = 2.0
 """Longest silence [s]: writing is how a page that is gone is noticed."""
 _PARTING: Final = 20.0
-"""Time that the last messages get to leave; only a page that takes nothing needs all of it [s]."""
+"""Longest time for sending the last messages at shutdown [s]."""
 _DRAWN_WITHIN: Final = 10.0
 """A page in the background draws nothing; after this time the next picture goes out anyway [s]."""
 

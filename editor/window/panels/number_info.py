@@ -64,7 +64,7 @@ def field_info(cls: type[Record], path: str) -> FieldInfo:
     """Return the model's facts about a dotted numeric field.
 
     Raises:
-        KeyError: There is no such field.
+        KeyError: The class has no such field.
     """
     head, *rest = path.split(".")
     hint = field_types(cls)[head]

@@ -48,7 +48,7 @@ def player_of(ref: AgentRef) -> Player:
     """The agent that is meant, loaded on first use.
 
     Raises:
-        CheckpointError: It cannot be loaded; one sentence.
+        CheckpointError: The agent cannot be loaded; one sentence.
     """
     player = _MEMORY.get(ref)
     if player is None:
@@ -63,7 +63,7 @@ def load(path: str) -> AgentSummary:
     """Read an agent and tell what it is.
 
     Raises:
-        CheckpointError: It cannot be loaded; one sentence.
+        CheckpointError: The agent cannot be loaded; one sentence.
     """
     folder = _folder(path)
     ref = AgentRef(path=path, stamp=_stamp(folder))

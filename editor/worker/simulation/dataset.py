@@ -23,7 +23,7 @@ def add_episode(request: AddEpisode, progress: Progress) -> str:
     episode = checked(episode_of_arrays(trace.arrays(), level, f"The episode of {level.name!r}"))
     if not episode.replays:
         raise KinetixError(
-            "This episode cannot be told by its controls alone: a body was pulled at, or it was "
+            "This episode cannot be reproduced from its controls: a body was pulled at, or it was "
             "played in a step that rounds differently."
         )
     told = add_episodes(request.folder, [episode])

@@ -185,7 +185,8 @@ def play_solution(request: PlaySolution, progress: Progress) -> Opened:
     """Play the recorded solution of a level and keep every moment.
 
     Raises:
-        KinetixError: There is none, or it holds its actions for another number of engine steps.
+        KinetixError: The level has no solution, or one that holds its actions for another number of
+            engine steps.
     """
     level, solution = request.level, request.level.solution
     if solution is None:

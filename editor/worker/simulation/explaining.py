@@ -33,7 +33,7 @@ def explain(request: Explain) -> Explained:
     """
     level, player = request.level, player_of(request.agent)
     if not player.params:
-        raise KinetixError(f"{player.card.name} has no network to ask.")
+        raise KinetixError(f"{player.card.name} has no network, so nothing can be explained.")
     capacity = capacity_for(player.card, capacity_of(level), level=repr(level.name))
     env = environment_for(player, capacity, physics=request.physics)
     state = request.state

@@ -39,7 +39,7 @@ def mutated(request: Mutate) -> Level:
     """A mutation of a level: the named one, or the first of a random order that changes anything.
 
     Raises:
-        KinetixError: There is no such mutation.
+        KinetixError: No mutation has this name.
     """
     from kinetix.environment.generators.documents import mutate_level
 

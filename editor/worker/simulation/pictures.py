@@ -66,7 +66,7 @@ def palette_named(name: str) -> Palette:
     """A display palette.
 
     Raises:
-        KinetixError: There is none of this name.
+        KinetixError: No palette has this name.
     """
     if name not in PALETTES:
         raise KinetixError(f"palette {name!r}: expected one of {', '.join(PALETTES)}")
@@ -82,7 +82,7 @@ def render_state(request: RenderState) -> Image:
     """The picture of a state for the canvas.
 
     Raises:
-        KinetixError: There is no such palette, or the level does not fit.
+        KinetixError: No palette has this name, or the level does not fit.
     """
     camera = Camera(
         centre=jnp.asarray(request.centre, jnp.float32),

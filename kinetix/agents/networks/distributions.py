@@ -280,7 +280,7 @@ class MultiDiscreteHead:
         return sum(self.sizes)
 
     def of_controls(self, motors: Float[Array, "*n m 3"], jets: Float[Array, "*n t 2"]) -> Array:
-        """Arrange what is said of each control.
+        """Arrange the logits of each control in the order of the action space.
 
         Args:
             motors: Of each motor binding: at rest, forward, backward.
@@ -308,7 +308,7 @@ class DiscreteHead:
         return self.choices
 
     def of_controls(self, motors: Float[Array, "*n m 3"], jets: Float[Array, "*n t 2"]) -> Array:
-        """Arrange what is said of each control.
+        """Arrange the logits of each control in the order of the action space.
 
         Args:
             motors: Of each motor binding: at rest, forward, backward.
@@ -340,7 +340,7 @@ class ContinuousHead:
         return self.size
 
     def of_controls(self, motors: Float[Array, "*n m 3"], jets: Float[Array, "*n t 2"]) -> Array:
-        """Arrange what is said of each control.
+        """Arrange the logits of each control in the order of the action space.
 
         Args:
             motors: Of each motor binding: at rest, forward, backward.
@@ -353,7 +353,7 @@ class ContinuousHead:
         """The normal distribution with these means.
 
         Raises:
-            ValueError: There is no `log_std`.
+            ValueError: `log_std` is missing.
         """
         if log_std is None:
             raise ValueError("a continuous head needs the parameter log_std")

@@ -141,7 +141,7 @@ class RelationalNetwork(nn.Module):
         return x
 
     def _said(self, name: str, seen: Array, actor: Array, choices: int) -> Array:
-        """Logits of each control of a kind, by layers that all of the kind share."""
+        """Return the logits of all controls of one kind, from shared layers."""
         own = dense(self.width, name=f"{name}_seen")(seen)
         common = dense(self.width, name=f"{name}_whole")(actor)[..., None, :]
         hidden = ACTIVATIONS[self.shared.activation](own + common)

@@ -1,8 +1,8 @@
 """Futures: groups of plans played on the simulator, each from a state, on all devices at once.
 
 The first plans of a group are played as they are. The others are a beam: after every stretch its
-attempts go on from where the best of the group are, each in its own way. So what takes many small
-things to go right is found by the beam, and what takes few by whole plans.
+attempts continue from the best states of the group, each with its own actions. The beam finds
+solutions that need many small correct actions; whole plans find those that need few.
 """
 
 import dataclasses

@@ -47,7 +47,7 @@ def measure_levels(settings: LevelSettings) -> Iterator[dict[str, Any]]:
     Engines that are not installed are left out.
 
     Raises:
-        KinetixError: There is no level of a size, or a program failed.
+        KinetixError: A size has no level, or a program failed.
     """
     folder = settings.levels or levels_dir()
     for size in settings.sizes:

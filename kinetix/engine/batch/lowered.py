@@ -57,12 +57,12 @@ def from_disk(
 
 
 def _constants() -> dict[str, Any]:
-    """Return the engine's constants as they are now: somebody may try out other values."""
+    """Return the present values of the engine's constants; experiments may change them."""
     return {name: value for name, value in vars(constants).items() if name.isupper()}
 
 
 def _declined() -> bool:
-    """Return whether JAX keeps nothing on disk, or what runs is not what lies there."""
+    """Return whether the disk cache cannot be used: it is off, or the sources have changed."""
     settings = jax.config.values
     return (
         not settings["jax_enable_compilation_cache"]

@@ -32,7 +32,7 @@ def worlds_last(
     tile: int = TILE,
     made_of: tuple[Any, ...] | None = None,
 ) -> Callable[..., Tree]:
-    """Give a kernel that works on arrays with a last axis of worlds the look of one for one world.
+    """Wrap a kernel for arrays whose last axis is worlds as one for a single world.
 
     Args:
         kernel: Takes pytrees whose arrays end in the axis `n`, some of them of floats; returns
@@ -42,8 +42,9 @@ def worlds_last(
         like: Which of its arguments the kernel's result looks like, array for array, if any: then
             the kernel need not be traced to know what comes out.
         tile: Worlds that are advanced together.
-        made_of: Name and parameters of the kernel, which together say all about it. Where they are
-            values of our own, it is lowered once on a computer, not once in each process.
+        made_of: Name and parameters that identify the kernel; equal ones share a cached program.
+            Where they are values of our own, it is lowered once on a computer, not once in each
+            process.
 
     Returns:
         A function of the same pytrees without that axis.

@@ -99,7 +99,7 @@ class BlockWriter:
         return False
 
     def _unlock(self, left: Sequence[Item]) -> None:
-        """Of stores that wait for each other, one is given a copy of what it wants."""
+        """Break a cycle of stores by copying one source."""
         for item in left:
             source = item.source
             if source is None or item.is_copied:

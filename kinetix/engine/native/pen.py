@@ -212,7 +212,7 @@ class Pen:
         return is_whole and self.places.get(source) is target.place
 
     def store(self, stores: Sequence[tuple[Value, Target]]) -> None:
-        """Store some values at once: none hangs on a place that another goes to."""
+        """Store several values together; none of them reads a place that another one overwrites."""
         by_count: dict[int, list[tuple[Value, Target]]] = collections.defaultdict(list)
         for value, target in stores:
             if value.size:

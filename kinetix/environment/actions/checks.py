@@ -16,7 +16,7 @@ def check_action(action: Any, actions: AbstractAction) -> None:
     """Refuse an action of another shape or type.
 
     Raises:
-        KinetixError: It is one; the sentence says what is expected.
+        KinetixError: The action has another shape or type than the space; the message says which.
     """
     space: Any = actions.action_space
     if not is_array(action):
@@ -51,7 +51,7 @@ def check_choice(action: Any, actions: AbstractAction, *, batch: bool = False) -
         batch: True for an action a world.
 
     Raises:
-        KinetixError: It holds a choice that does not exist.
+        KinetixError: The action holds a choice that does not exist.
     """
     space: Any = actions.action_space
     if isinstance(space, Box):

@@ -134,7 +134,7 @@ def mutate_level(level: Level, mutation_name: str, seed: int) -> Level:
         seed: Any integer.
 
     Raises:
-        KinetixError: There is no such mutation.
+        KinetixError: No mutation has this name.
         LevelError: The level does not fit its own size.
     """
     capacity = capacity_of(level)

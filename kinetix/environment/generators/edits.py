@@ -60,7 +60,7 @@ def mutate_state(
             `add_connected_shape`: the joint is a hinge.
 
     Raises:
-        KinetixError: There is no such mutation.
+        KinetixError: No mutation has this name.
     """
     if name not in MUTATORS:
         raise KinetixError(f"unknown mutation {name!r}: expected one of {', '.join(MUTATORS)}")

@@ -133,7 +133,7 @@ def _from_file(path: Path, name: Path) -> SetLevel:
 
 
 def _told_apart(levels: Sequence[SetLevel]) -> list[SetLevel]:
-    """Return the levels with names that differ: results are told by name."""
+    """Return the levels with unique names: results are stored by name."""
     given = {each.name for each in levels}
     numbers = collections.defaultdict(functools.partial(itertools.count, 2))
     taken: set[str] = set()

@@ -116,7 +116,7 @@ def common_capacity(levels: Iterable[Level]) -> Capacity:
     """The element-wise largest capacity of several levels.
 
     Raises:
-        LevelError: There is no level.
+        LevelError: No level is given.
     """
     capacity: Capacity | None = None
     for level in levels:

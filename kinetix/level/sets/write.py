@@ -21,7 +21,8 @@ def dumps_set(loaded: LoadedSet, *, inline: bool = False) -> str:
             and those out of the set's reach always do.
 
     Raises:
-        LevelError: It could not be read again: its name is too long, or it has too many levels.
+        LevelError: The set could not be read again: its name is too long, or it has too many
+            levels.
     """
     check_manifest(loaded.manifest, f"set {loaded.manifest.name[:LONGEST_NAME]!r}")
     tree = {"format": LEVELSET_FORMAT, "version": VERSION} | record_tree(loaded.manifest)

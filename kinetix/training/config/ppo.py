@@ -52,7 +52,7 @@ class PpoConfig:
     levels: tuple[str, ...] = ()
     """Folders, files, names or sets of levels; implies the mode `list`."""
     demo_starts: float = 0.0
-    """Share of the episodes that begin somewhere on the way of a win of `levels`: the recorded
+    """Share of episodes that start from a state along a winning episode of `levels`: the recorded
     solution, or one that is searched for. Random levels have none."""
     physics: str = "balanced"
     """Physics preset or solver."""
@@ -230,7 +230,7 @@ class PpoConfig:
         """Refuse what cannot work, before anything is compiled.
 
         Raises:
-            KinetixError: One sentence that names the fields.
+            KinetixError: Fields have values that cannot work; one sentence that names them.
         """
         for field in dataclasses.fields(self):
             _check_choice(field, getattr(self, field.name))

@@ -153,7 +153,7 @@ class Ledger:
             slots: The buffer's capacity.
 
         Raises:
-            ValueError: They are of another buffer.
+            ValueError: The arrays are of another buffer.
         """
         found = cls(slots)
         for name, value in arrays.items():

@@ -129,7 +129,7 @@ def read_page(run: Path, update: int) -> BufferPage:
     """Return a page.
 
     Raises:
-        KinetixError: It is missing or damaged; one sentence.
+        KinetixError: The page is missing or damaged; one sentence.
     """
     path = page_path(run, update)
     arrays = read_npz(path, "curriculum", only=("page", "level", "level_end"))
@@ -156,7 +156,7 @@ def read_slots(run: Path, update: int) -> dict[str, np.ndarray]:
     """Return what a page says of the buffer's slots.
 
     Raises:
-        KinetixError: It is missing or damaged; one sentence.
+        KinetixError: The page is missing or damaged; one sentence.
     """
     arrays = read_npz(page_path(run, update), "curriculum")
     return {name: value for name, value in arrays.items() if name.startswith("slot_")}

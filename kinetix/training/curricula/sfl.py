@@ -343,12 +343,12 @@ def _evaluation_states(config: SflConfig, setup: Setup) -> EnvState | None:
             f"num_to_save = {config.num_to_save}"
         )
     states = [level_state(level.source, setup.env.static_env_params) for level in levels]
-    # On the host, where every process that trains has the same.
+    # On the host, where all training processes have the same.
     return jax.tree.map(np.asarray, stack_states(states))
 
 
 def _where(chosen: Bool[Array, " n"], these: Any, those: Any) -> Any:
-    """Rows of one batch where chosen, of another elsewhere."""
+    """Select rows from two batches by a mask."""
 
     def pick(a: Array, b: Array) -> Array:
         return jnp.where(chosen.reshape(-1, *[1] * (a.ndim - 1)), a, b)

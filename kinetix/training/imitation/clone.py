@@ -52,7 +52,7 @@ class Clone:
             teacher: The agent to start from.
 
         Raises:
-            KinetixError: There is nothing to learn from.
+            KinetixError: The demonstrations leave nothing to learn from.
         """
         steps = config.num_updates * config.num_minibatches
         setup = make_setup(config, gradient_steps=steps, teacher=teacher)

@@ -60,7 +60,7 @@ class Replayed:
 
 
 class NothingWonError(KinetixError):
-    """No demonstration is won here any more."""
+    """No demonstration wins under the present physics."""
 
 
 def played_again(env: KinetixEnv, episodes: Sequence[Demonstration], *, gamma: float) -> Replayed:
@@ -72,7 +72,7 @@ def played_again(env: KinetixEnv, episodes: Sequence[Demonstration], *, gamma: f
         gamma: Discount a step.
 
     Raises:
-        NothingWonError: None of them wins.
+        NothingWonError: None of the demonstrations wins.
     """
     env = _replaying(env)
     parts: list[dict[str, Any]] = []
@@ -97,8 +97,8 @@ def played_again(env: KinetixEnv, episodes: Sequence[Demonstration], *, gamma: f
             starts.append(each.state)
     if not parts:
         raise NothingWonError(
-            f"none of the {len(episodes)} demonstrations is won here any more: they were made "
-            "under another physics; make them anew with `kinetix teach`"
+            f"none of the {len(episodes)} demonstrations wins under this physics; record them "
+            "again with `kinetix teach`"
         )
     joined = jax.tree.map(lambda *x: np.concatenate(x), *parts)
     lessons = Lessons(

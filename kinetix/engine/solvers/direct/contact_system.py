@@ -61,7 +61,7 @@ class ContactSystem:
     loose: Float[Array, "c n"]
     """The smaller value of its two bodies (`Step.loose`)."""
     pivoted: Float[Array, "c n"]
-    """1 where a body turns on a pivot that stands still and neither hangs on what moves, else 0."""
+    """1 if a body turns on a fixed pivot and neither is joined to a moving body, else 0."""
     free: Bool[Array, "b n"]
     """True for bodies that are not fixed."""
 
@@ -161,10 +161,10 @@ def pushed(
 ) -> tuple[Velocity, Float[Array, "k n"]]:
     """The velocities after impulses on the rows, for joints that have turned since the step began.
 
-    Pivots that stand still answer as they stood then, just as whoever chose the impulses foresaw
-    it. With their present answer, an arm that has turned past the point right below its pivot would
-    be thrown by what held it before. Joints between bodies that move answer as they stand: a taut
-    chain would get energy from what its tension was.
+    Joints on fixed pivots respond as at the start of the step, as was assumed when the impulses
+    were chosen. With the present response, an arm that has swung past the lowest point would be
+    flung by the force that supported it. Joints between moving bodies respond as they are now;
+    otherwise the earlier tension of a taut chain would add energy.
 
     Args:
         step: The masses.

@@ -92,7 +92,7 @@ class Step:
     loose: Float[Array, "b n"]
     """1 for a body that swings slowly for the substep, 0 for one under great tension."""
     pivoted: Float[Array, "b n"]
-    """1 for a body that hangs on fixed ones alone, negative for one that hangs on what moves."""
+    """1 if all joints lead to fixed bodies, negative if one leads to a moving body."""
     store: Store
     """Keeps intermediate results."""
     features: Features = static()

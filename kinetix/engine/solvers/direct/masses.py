@@ -1,4 +1,4 @@
-"""The inertia that bodies show: with the stiffness of the joints that they hang on.
+"""Effective inertia of bodies: their own plus the geometric stiffness of loaded joints.
 
 Worlds are on the last axis.
 Source: Andrews, Teichmann & Kry (2017), "Geometric Stiffness for Real-time Constrained Multibody

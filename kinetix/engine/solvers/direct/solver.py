@@ -161,7 +161,7 @@ class Direct(AbstractSolver):
         bias_impulse = self.block.solve(
             system.prepared, system.responses, offset, phase.bias_impulse, cone
         )
-        # How arms bend hangs on how bodies turn once joints have answered to the contacts.
+        # The curvature term needs angular velocities after the joints have reacted to the contacts.
         pushed_motion = system.responses.moved(bias_impulse)
         turning = velocity.angular.at[ARENA_BODIES:].add(pushed_motion[2])
         velocity, answer = pushed(step, system, bias_impulse, velocity)

@@ -1,4 +1,4 @@
-"""Proposals for a new body, and what they hang on."""
+"""Proposals for a new body, and the facts that they depend on."""
 
 from typing import Final
 

@@ -103,7 +103,7 @@ def random_machines(seed: int, size: str, count: int) -> Iterator[Level]:
         count: How many.
 
     Raises:
-        KinetixError: There are no machines of this size.
+        KinetixError: No machines have this size.
     """
     for index in range(count):
         yield numbered_machine(seed, size, index)
@@ -118,7 +118,7 @@ def numbered_machine(seed: int, size: str, index: int) -> Level:
         index: From 0.
 
     Raises:
-        KinetixError: There are no machines of this size.
+        KinetixError: No machines have this size.
     """
     level = random_machine(random.Random(f"{seed} {index}"), size)
     return level.replace(name=f"Machine {size} {seed}-{index}")
