@@ -240,7 +240,7 @@ def _until_closed(session: Session, host: "PygameHost") -> None:
 def _open_files(options: Options, session: Session) -> None:
     from editor.actions import address, guide, recover
 
-    # A replay is asked nothing, and so whoever records one is not either.
+    # Replays are asked nothing, so recordings are not either.
     asks = options.replay is None and options.record is None
     if not options.files:
         if asks:
@@ -264,9 +264,9 @@ def _open_files(options: Options, session: Session) -> None:
 
 
 def _tell_of_settings(session: Session) -> None:
-    """Say what of the user's own settings and languages could not be read.
+    """Report which of the user's settings and languages could not be read.
 
-    The first change of a setting writes its file anew.
+    The first change of a setting replaces its file.
     """
     from editor.actions import file
     from editor.base import language

@@ -13,7 +13,7 @@ from collections.abc import Mapping, MutableMapping
 from typing import Final
 
 DECLINED: Final = "KINETIX_COMPILER_OPTIONS"
-"""Variable that leaves XLA as it is when it says 0."""
+"""Variable that leaves XLA as it is if it is 0."""
 _ON_PROCESSORS: Final = {
     # Worlds are lanes, so kernels are loops over 16 numbers at a time where the processor has room.
     "--xla_cpu_prefer_vector_width": "512",

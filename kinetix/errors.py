@@ -35,7 +35,7 @@ class KinetixError(Exception):
     """Base of every error that this project raises on purpose; prints as one plain line."""
 
     def __str__(self) -> str:
-        """Return the sentence, safe to print whatever the file that it is about says."""
+        """Return the sentence, safe to print whatever the file contains."""
         return plain(super().__str__())
 
 

@@ -18,7 +18,7 @@ def _note() -> None:
 
 
 def _runs() -> bool:
-    """Return whether JAX has started; where this version does not tell, whether it is imported."""
+    """Return whether JAX has started; if this version cannot report it, whether it is imported."""
     if "jax" not in sys.modules:
         return False
     bridge = sys.modules.get("jax._src.xla_bridge")

@@ -9,7 +9,7 @@ class Meanwhile:
     """A change that is applied when the first thread enters and undone when the last leaves."""
 
     def __init__(self, change: Callable[[], Callable[[], None]]) -> None:
-        """Make nothing yet.
+        """Prepare the change without making it.
 
         Args:
             change: Makes the change, and returns what takes it back.

@@ -50,7 +50,7 @@ def user_agents_dir() -> Path:
 
 
 def cache_dir() -> Path:
-    """Folder for what can be made anew (compiled functions, thumbnails)."""
+    """Folder for what can be rebuilt (compiled functions, thumbnails)."""
     return Path(platformdirs.user_cache_dir(_APP, appauthor=False))
 
 

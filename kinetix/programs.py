@@ -1,7 +1,8 @@
 """Compiled programs that are not needed any more are dropped before there is no room for others.
 
 A program takes hundreds to thousands of memory maps, and Linux gives a process 65 530. Without one
-left, LLVM says that it cannot allocate memory, and a program that is read from the cache crashes.
+left, LLVM reports that it cannot allocate memory, and a program that is read from the cache
+crashes.
 """
 
 import gc

@@ -38,7 +38,7 @@ def choose_agent(session: Session, path: str | Path, slot: SlotName = "a") -> No
 
 
 def show_checkpoint(session: Session, slot: SlotName, path: Path) -> None:
-    """Take another checkpoint of a run; what plays starts anew with it: same level, same draws."""
+    """Take another checkpoint of a run; what plays restarts: same level, same random numbers."""
     load_agent(session, path, slot)
     if slot != "a":
         return
@@ -60,7 +60,7 @@ def known_agents(session: Session) -> list[tuple[str, str]]:
 
 
 def load_agent(session: Session, path: str | Path, slot: SlotName = "a") -> None:
-    """Load an agent into a slot; a toast says when it is there, or why not.
+    """Load an agent into a slot; a toast shows when it is there, or why not.
 
     Args:
         session: The app.
@@ -135,7 +135,7 @@ def _same(before: AgentSummary | None, after: AgentSummary) -> bool:
 
 
 def _use(session: Session, summary: AgentSummary, slot: SlotName) -> str:
-    """Say what a loaded agent is good for."""
+    """Report what a loaded agent can play."""
     if slot != "a":
         return "It can be compared with agent A, or with you."
     if _unfit(summary, _level(session)):
@@ -156,7 +156,7 @@ def _unfit(summary: AgentSummary, level: Level) -> str:
 
 
 def _rehearse(session: Session) -> None:
-    """Compile ahead, so that F6 starts at once; whatever is wrong is said when it is played."""
+    """Compile ahead, so that F6 starts at once; errors are reported when it is played."""
     casting = session.viewer.casting("a")
     if casting is not None and session.document.level.bodies:
         session.worker.submit(
@@ -233,11 +233,11 @@ def _folder(session: Session) -> Path:
 def play_agent(session: Session) -> None:
     """Let agent A play the level, as soon as it is loaded.
 
-    Where there is none, or it sees one size only and that is not the level's, the planner does.
+    If none is chosen, or it sees one other size only, the planner plays.
     """
     viewer, place = session.viewer, session.viewer.slots["a"]
     if viewer.guest is not None:
-        session.leave_play()  # Whoever plays now has the viewer's own draws and physics.
+        session.leave_play()  # The new player has the viewer's own random numbers and physics.
     if place.loading:
         session.expected = place.job
         return
@@ -296,7 +296,7 @@ def set_draws(
 
 
 def restart(session: Session) -> None:
-    """Start the agent's episode anew with what the viewer is set to now."""
+    """Restart the agent's episode with the present settings of the viewer."""
     playback = session.playback
     if playback.active and playback.casting is not None:
         refresh_cast(session)

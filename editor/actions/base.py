@@ -51,7 +51,7 @@ def always(session: Session) -> bool:
 
 
 def editing(session: Session) -> bool:
-    """An action for Edit."""
+    """Make an action that can be used while editing."""
     return session.editing
 
 

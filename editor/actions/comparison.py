@@ -37,7 +37,7 @@ def ask_comparison(session: Session) -> None:
 
 
 def about_comparison(path: Path) -> str:
-    """Return what a stored comparison holds, or why it is none; empty for other files."""
+    """Return what a stored comparison holds, or why it is not one; empty for other files."""
     if path.suffix.lower() != ".json":
         return ""
     try:
@@ -51,7 +51,7 @@ def open_comparison(session: Session, path: Path) -> bool:
     """Show a stored comparison in the table; asks first while an evaluation is under way.
 
     Returns:
-        Whether it could be read; if not, a window says why.
+        Whether it could be read; if not, a window shows why.
     """
     try:
         stored = read_comparison(path)

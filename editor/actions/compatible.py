@@ -39,7 +39,7 @@ def agents_stamp() -> int:
 
 
 def _card_of(folder: Path) -> AgentCard | None:
-    """Return an agent's description of itself; None where there is none that can be read."""
+    """Return an agent's description of itself; None if it cannot be read."""
     try:
         return _card(folder / _DESCRIPTION, (folder / _DESCRIPTION).stat().st_mtime_ns)
     except OSError:
@@ -48,7 +48,7 @@ def _card_of(folder: Path) -> AgentCard | None:
 
 @functools.lru_cache(maxsize=64)
 def _card(path: Path, stamp: int) -> AgentCard | None:
-    del stamp  # part of the key only: a description that was written anew is read anew
+    del stamp  # part of the key only: a changed description is read again
     try:
         return read_card(path)[0]
     except CheckpointError:

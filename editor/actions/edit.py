@@ -182,7 +182,7 @@ def select_all(session: Session) -> None:
 
 
 def delete(session: Session) -> None:
-    """Delete the selection with what hangs on it, and offer to undo that."""
+    """Delete the selection with its joints and thrusters, and offer to undo that."""
     before = session.document.level
     ids = tuple(i for i in _unlocked(session) if not isinstance(i, str))
     if not ids:
@@ -218,7 +218,7 @@ def _expect_nothing(session: Session, job: Job) -> None:
 
 
 def _unlocked(session: Session) -> Selection:
-    """Return the selection without what is locked, and say so where that is a part of it.
+    """Return the selection without locked things; report if some were left out.
 
     Raises:
         CommandError: All of it is locked.
@@ -305,7 +305,7 @@ def nudge(x: int, y: int) -> Callable[[Session], None]:
 
 
 def moving_ids(session: Session) -> Selection:
-    """The selected bodies with those that hang on them, unless that is switched off."""
+    """Return the selected bodies with those jointed to them, unless that is switched off."""
     level, document = session.document.level, session.document
     ids = {body.id for body in level.bodies if body.id in document.unlocked}
     if session.settings.move_jointed:

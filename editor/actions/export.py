@@ -143,7 +143,7 @@ def _same(one: Path | None, other: Path) -> bool:
 
 
 def open_trace(session: Session, path: Path) -> bool:
-    """Show an episode from a file on its level; whether it is shown, else a window says why."""
+    """Show an episode from a file on its level; whether it is shown, else a window shows why."""
     try:
         found = read_trace(path)
     except KinetixError as error:

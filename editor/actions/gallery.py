@@ -107,13 +107,13 @@ def play_agent(session: Session) -> None:
 
 
 def evaluate(session: Session) -> None:
-    """Measure agents on the chosen levels, as the fields of *Evaluate* say."""
+    """Measure agents on the chosen levels, with the settings of *Evaluate*."""
     levels = tuple(card.path for card in chosen_cards(session))
     _evaluate(session, levels, "chosen")
 
 
 def evaluate_set(session: Session, path: Path) -> None:
-    """Measure agents on the levels of a set, as the fields of *Evaluate* say."""
+    """Measure agents on the levels of a set, with the settings of *Evaluate*."""
     _evaluate(session, (str(path),), "set")
 
 

@@ -74,7 +74,7 @@ def _follow(session: Session, document: Document | None, old: Path, new: Path) -
 
 
 def _tell_sets(session: Session, gone: list[Path]) -> None:
-    """Say which level sets name files that are not there any more."""
+    """Report which level sets name files that are not there any more."""
     names = [set_name(path) for path in sets_naming(gone, session.library.sets)]
     if names:
         session.toast(f"Level sets that miss a level now: {unsaved.listed(names)}", "warning")

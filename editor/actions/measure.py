@@ -248,7 +248,7 @@ def show_paths(session: Session, level: int, agent: int) -> None:
 
 
 def _refuse(session: Session, plan: Plan, level: int) -> None:
-    """Say that what was measured on a level does not hold for what it is now."""
+    """Report that results of a level do not hold since it was changed."""
     name = plan.levels[level].name
     session.toast(f"{name} is another level by now; evaluate it again.", "error")
 

@@ -16,7 +16,7 @@ _USUAL: Final[dict[str, Shape]] = {
 }
 """By tool, about the centre of mass [m]."""
 _DECIMALS: Final = 1
-"""Of the place [m]."""
+"""Decimals of the place in messages [m]."""
 
 
 def can_place(session: Session) -> bool:

@@ -40,7 +40,7 @@ def _refuse_outgrown(level: Level) -> None:
 
 
 def pause(session: Session) -> None:
-    """Pause or go on; after the end start anew; a replay stands or moves."""
+    """Pause or continue; restart after the end; pause or play a replay."""
     if session.mode is Mode.ENDED:
         reset(session)
     else:
@@ -89,17 +89,17 @@ def step(session: Session) -> None:
 
 
 def step_back(session: Session) -> None:
-    """One environment step back."""
+    """Go back by one environment step."""
     session.playback.step_back()
 
 
 def slower(session: Session) -> None:
-    """Half the speed."""
+    """Halve the speed."""
     session.playback.slower()
 
 
 def faster(session: Session) -> None:
-    """Twice the speed."""
+    """Double the speed."""
     session.playback.faster()
 
 
@@ -110,7 +110,7 @@ def reset(session: Session) -> None:
 
 
 def stop(session: Session) -> None:
-    """Back to Edit."""
+    """Go back to Edit."""
     session.leave_play()
 
 

@@ -111,7 +111,7 @@ def stop_training(session: Session) -> None:
 
 
 def update_training(session: Session) -> None:
-    """Let a frame pass: say how a training ended, and take its agent where that is wanted."""
+    """Advance by a frame: report how a training ended, and load its agent if that is wanted."""
     training = session.training
     ended = training.ended()
     if ended is None or training.run is None:

@@ -50,7 +50,7 @@ def fit(session: Session) -> None:
 
 
 def actual_size(session: Session) -> None:
-    """100 pixels a metre."""
+    """Zoom to 100 pixels per metre."""
     session.camera = dataclasses.replace(session.camera, zoom=1.0)
 
 

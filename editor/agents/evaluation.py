@@ -69,7 +69,7 @@ class Plan:
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Row:
-    """One level of the table: a result an agent, None where there is none yet."""
+    """One level of the table: a result per agent, None before it is measured."""
 
     level: int
     """Index into the plan's levels."""
@@ -225,7 +225,7 @@ class Evaluation:
         descending: bool = False,
         wanted: str = "",
     ) -> list[Row]:
-        """The table.
+        """Return the rows of the table.
 
         Args:
             sort: By what; results that are not there yet come last.

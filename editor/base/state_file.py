@@ -60,7 +60,7 @@ def read_state(path: Path, *, broken: Mapping[str, Any] | None = None) -> dict[s
 
 
 def state_fault(path: Path) -> str:
-    """Return why a file cannot be read; empty where it can, or where there is none."""
+    """Return why a file cannot be read; empty if it can, or if it does not exist."""
     try:
         _object(path)
     except FileError as error:
@@ -78,7 +78,7 @@ def _object(path: Path) -> dict[str, Any]:
 def write_state(
     path: Path, tree: Mapping[str, Any], *, sound: bool = False, indent: int | None = 1
 ) -> os.stat_result | None:
-    """Write a file whole, making its folder where there is none; a broken one stays as a backup.
+    """Write a file atomically, making its folder if needed; a broken one stays as a backup.
 
     Args:
         path: The file.

@@ -83,13 +83,13 @@ class Autosaves:
         self._watched: dict[int, _Watched] = {}
         self._open: tuple[str, ...] = ()
         self._refused: tuple[tuple[str, ...], float] = (), 0.0
-        """Open files that could not be told, and when they are tried again."""
+        """Open files that could not be listed, and when they are tried again."""
         self._wake = threading.Condition()
         self._thread: threading.Thread | None = None
         self._busy = self._ended = False
         self._locking = threading.Lock()
         self._failed: list[tuple[_Watched, str]] = []
-        """Copies that could not be written, or are gone, with the reason; empty: it is not told."""
+        """Copies that could not be written, or are gone, with the reason; empty: not reported."""
 
     @property
     def folder(self) -> Path:

@@ -233,7 +233,7 @@ class Painter:
         self.draw.add_circle_filled((x, y), max(r - line, 0.0), self.colour(fill))
 
     def thruster(self, thruster: Thruster, at: Point, angle: float, *, level: float = 1.0) -> None:
-        """A thruster's mark.
+        """Draw a thruster's mark.
 
         Args:
             thruster: The thruster.

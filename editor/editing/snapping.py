@@ -78,9 +78,9 @@ class Rules:
     grid: float | None
     """Width of the grid [m], or None for no grid."""
     catch: float
-    """[m]"""
+    """Distance at which a target catches [m]."""
     release: float
-    """[m]"""
+    """Distance at which a caught target lets go [m]."""
 
 
 APART: Final = 0.015

@@ -22,7 +22,7 @@ class Card(msgspec.Struct, frozen=True, kw_only=True):
     modified_ns: int
     """Time of the file's last change [ns]."""
     bytes: int
-    """Length of the file: with the time it tells whether the card is still right."""
+    """Length of the file; with the time it shows whether the card is up to date."""
     name: str
     description: str = ""
     tags: tuple[str, ...] = ()

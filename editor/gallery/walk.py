@@ -13,10 +13,10 @@ MAX_FILES: Final = 20_000
 
 
 class Walk:
-    """One way through some folders; tells what it passed over."""
+    """One walk through some folders; lists what it passed over."""
 
     def __init__(self, folders: Sequence[Path]) -> None:
-        """Begin.
+        """Begin with the first folder.
 
         Args:
             folders: Where; everything below them as well.

@@ -1,6 +1,6 @@
 """Parts of the window that a frame changes: only they are drawn again.
 
-Dear ImGui describes every frame anew, whole. In software OpenGL filling all those pixels takes
+Dear ImGui describes every frame from scratch. In software OpenGL filling all those pixels takes
 longer than everything else together, and most frames differ from the one before by a highlight and
 a number in the status bar. So the triangles of both frames are compared, window by window.
 """
@@ -98,7 +98,7 @@ def intersection(a: Rect, b: Rect) -> Rect:
 
 
 def area(rect: Rect) -> float:
-    """Its area [px²]."""
+    """Return the area of a rectangle [px²]."""
     return max(rect[2] - rect[0], 0.0) * max(rect[3] - rect[1], 0.0)
 
 

@@ -34,9 +34,9 @@ class FirstSeconds:
     real_time: float
     """Simulated time over wall time while the rest was compiled."""
     frame_median: float
-    """[ms]"""
+    """Median duration of a frame [ms]."""
     frame_longest: float
-    """[ms]"""
+    """Longest duration of a frame [ms]."""
     compiling: float
     """Duration of the rest [s]."""
 

@@ -138,7 +138,7 @@ class Canvas:
         return pixels
 
     def delete(self) -> None:
-        """Free it."""
+        """Free the framebuffer."""
         gl = _library()
         gl.glDeleteFramebuffers(1, ctypes.byref(ctypes.c_uint(self._name)))
         delete_texture(self._texture)
@@ -204,7 +204,7 @@ def upload_texture(name: int, image: np.ndarray, *, resized: bool) -> None:
     Args:
         name: The texture.
         image: uint8[height, width, 3 or 4], top row first.
-        resized: Whether the texture's storage must be made anew for this size.
+        resized: Whether the texture's storage must be allocated for this size.
     """
     gl = _library()
     height, width, channels = image.shape

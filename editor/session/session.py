@@ -165,7 +165,7 @@ class Session:
 
     @property
     def log(self) -> Journal:
-        """Everything that was said."""
+        """All messages."""
         return self.messages.log
 
     @property
@@ -343,7 +343,7 @@ class Session:
         self.messages.toast(text, kind, action=action, offered=offered)
 
     def complain(self, text: str) -> None:
-        """Say why something was not done."""
+        """Show why something was not done."""
         self.toast(text, "warning")
 
     def ask(self, prompt: Prompt) -> None:

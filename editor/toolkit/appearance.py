@@ -21,7 +21,7 @@ class Colours:
     backdrop: Rgba
     """Behind everything, and the canvas around the arena."""
     surface: Rgba
-    """Panels."""
+    """Background of panels."""
     raised: Rgba
     """Menus, pop-ups, tool strip."""
     field: Rgba

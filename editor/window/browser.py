@@ -224,7 +224,7 @@ class FileBrowser:
         return False, None
 
     def _warn(self, words: str, room: float) -> None:
-        """Say in one line what is wrong; what has no room is in the tooltip."""
+        """Report in one line what is wrong; what has no room is in the tooltip."""
         with widgets.font(None, SMALL):
             shown = widgets.fitted(tr(words), room)
             widgets.raw(shown, COLOURS.warn)

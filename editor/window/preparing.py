@@ -161,7 +161,7 @@ class Preparation:
         if casting is not None and level.bodies and settled:
             key = size, physics, casting.agent, casting.deterministic
             request = Rehearse(level=level, physics=physics, casting=casting)
-            # Whatever is wrong with it is said when it is played.
+            # Errors are reported when it is played.
             yield _Task(key=key, request=request, title="Preparing the agent")
         if settled:
             for other in AUTOMATIC:

@@ -25,7 +25,7 @@ class ContactPoint:
     """A place where two bodies touch; for debug drawing."""
 
     at: tuple[float, float]
-    """[m]"""
+    """Place of the contact [m]."""
     normal: tuple[float, float]
     """Unit vector from body a to body b."""
     separation: float
@@ -76,13 +76,13 @@ class Snapshot:
     step: int
     """Environment steps since the reset."""
     position: Float[np.ndarray, "b 2"]
-    """[m]"""
+    """Positions of the bodies [m]."""
     angle: Float[np.ndarray, " b"]
-    """[rad]"""
+    """Angles of the bodies [rad]."""
     velocity: Float[np.ndarray, "b 2"]
-    """[m/s]"""
+    """Velocities of the bodies [m/s]."""
     angular_velocity: Float[np.ndarray, " b"]
-    """[rad/s]"""
+    """Angular velocities of the bodies [rad/s]."""
     motor: Float[np.ndarray, " j"]
     """Drives of the motors in the step before, −1 … 1."""
     thruster: Float[np.ndarray, " t"]
@@ -123,7 +123,7 @@ class Snapshot:
     state: Any = None
     """The simulator's own state as numpy arrays: only the simulator reads it."""
     memory: Any = None
-    """The agent's memory after the step before, likewise."""
+    """The agent's memory after the step before, also as one row."""
 
 
 class Ring:

@@ -52,7 +52,7 @@ class NetworkPolicy:
     rows = ROWS
 
     def init_carry(self, batch: int) -> Carry:
-        """Zeros."""
+        """Return a memory of zeros."""
         return initial_carry(batch)
 
     def decide(
@@ -65,7 +65,7 @@ class NetworkPolicy:
         *,
         deterministic: bool = False,
     ) -> Decision:
-        """See `player.Policy`."""
+        """Choose actions, as `player.Policy` describes."""
         inputs = (normalise(params["normalisation"], observation), done)
         inputs = jax.tree.map(lambda x: x[None], inputs)
         output: Any = self.network.apply({"params": params["params"]}, carry, inputs)
@@ -86,7 +86,7 @@ class Agent:
     """A network with parameters, and everything needed to feed it as in training.
 
     Attributes:
-        card: What it sees and says, its network, where it was trained, its results.
+        card: Observation, action, network, training and results of the agent.
         params: Its variables and its normalisation, as one pytree.
         policy: How it chooses.
     """
@@ -160,7 +160,7 @@ class Agent:
             obs: Observations with a leading axis of environments.
             key: Random key.
             deterministic: Take the likeliest action instead of drawing one.
-            done: Where true, an episode has just begun and the carry starts anew.
+            done: True where an episode has just begun: the carry is reset.
 
         Returns:
             Actions, the next carry, and a dictionary with `logits`, `log_prob`, `value`, `entropy`.
@@ -231,7 +231,7 @@ def _check_directory(directory: Any) -> None:
 
 
 def _no_agent(named: str) -> str:
-    """Say why a name is not that of an agent with a network."""
+    """Explain why a name is not that of an agent with a network."""
     if named in (PLANNER, *SCRIPTED):
         return f"plays without a network, so nothing can be read of it; {agent_hint(named)}"
     if os.path.exists(named):

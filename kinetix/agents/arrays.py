@@ -32,7 +32,7 @@ def flatten(tree: Tree, prefix: str = "") -> Iterator[tuple[str, Any]]:
 
 
 def unflatten(leaves: Iterable[tuple[str, Any]]) -> dict[str, Any]:
-    """The inverse of `flatten`."""
+    """Return the tree that `flatten` took apart."""
     root: dict[str, Any] = {}
     for path, value in leaves:
         *parents, leaf = path.split("/")

@@ -113,7 +113,7 @@ def check_environment(path: Path, environment: EnvironmentCard) -> None:
 
     Args:
         path: The file, for the sentence.
-        environment: What it says.
+        environment: The environment of its card.
 
     Raises:
         CheckpointError: The physics or the parity is unknown.

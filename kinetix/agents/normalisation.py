@@ -45,7 +45,7 @@ def fields_of(observation: Any) -> dict[str, Array]:
 
 
 def start(observation: Any) -> Normalisation:
-    """Statistics of nothing yet.
+    """Return the statistics before the first observation.
 
     Args:
         observation: Any observation, for its fields and widths.
@@ -136,7 +136,7 @@ def to_card(statistics: Normalisation | None) -> NormalisationCard | None:
 
 
 def from_card(card: NormalisationCard | None) -> Normalisation | None:
-    """The inverse of `to_card`."""
+    """Return the statistics that `to_card` stored."""
     if card is None:
         return None
     return Normalisation(

@@ -128,13 +128,13 @@ class Provenance:
     frame_skip: int | None = None
     """Physics steps per action; None where it is not known, as of older files."""
     dense_reward_scale: float | None = None
-    """Weight of the distance reward in the returns; None likewise."""
+    """Weight of the distance reward in the returns; None where it is not known."""
     card_digest: str = ""
-    """Beginning of the SHA-256 of what else its card says about how it plays, such as statistics
+    """Beginning of the SHA-256 of the rest of its card that affects play, such as the statistics
     of its observations; empty for scripted players, and where it is not known."""
 
     def as_dict(self) -> dict[str, Any]:
-        """Return what is known of it, as the last line of `kinetix eval --json` says it."""
+        """Return what is known of it, as in the last line of `kinetix eval --json`."""
         told = dataclasses.asdict(self)
         return {
             name: value for name, value in told.items() if name not in _LATER or value not in _NONE

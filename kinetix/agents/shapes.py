@@ -17,7 +17,7 @@ from kinetix.environment.params import EnvParams, StaticEnvParams
 from kinetix.environment.spaces import Dict
 
 _USUAL = CapacityCard(polygons=5, circles=2, joints=1, thrusters=1)
-"""Stands in where an agent does not say; its parameters do not depend on it."""
+"""Stands in where a card does not have it; the parameters do not depend on it."""
 
 
 def static_env_params_of_card(card: AgentCard, **changes: Any) -> StaticEnvParams:

@@ -63,7 +63,7 @@ def is_comparison(path: Path) -> bool:
 
 
 def check_replaced(path: Path) -> None:
-    """Refuse to put a comparison in the place of a `.json` that is none, such as a level.
+    """Refuse to replace a `.json` that is not a comparison, such as a level.
 
     Raises:
         KinetixError: The file holds something else.
@@ -74,7 +74,7 @@ def check_replaced(path: Path) -> None:
 
 
 def read_comparison(path: Path) -> StoredComparison:
-    """Return a stored comparison; rates and means are computed anew from its attempts.
+    """Return a stored comparison; rates and means are recomputed from its attempts.
 
     Args:
         path: A `.json` that `kinetix compare --out` or the app wrote.

@@ -33,7 +33,7 @@ class Motion:
 
     @property
     def time(self) -> Float[np.ndarray, " k"]:
-        """[s]."""
+        """Times of the frames [s]."""
         return np.arange(len(self.position)) * self.trial.dt
 
     @property
@@ -64,7 +64,7 @@ class Motion:
         return self.masses[:, 0] > 0
 
     def kinetic_energy(self) -> Float[np.ndarray, " k"]:
-        """Of all bodies [J]."""
+        """Return the kinetic energy of all bodies [J]."""
         mass, inertia = self.masses.T
         return ((self.velocity**2).sum(-1) @ mass + self.angular_velocity**2 @ inertia) / 2
 

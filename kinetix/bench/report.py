@@ -50,7 +50,7 @@ def value_text(value: float | None, unit: str) -> str:
 
 
 def scene_text(row: Row) -> str:
-    """One line for people."""
+    """Return a row as one line of text."""
     limits = "" if row["good"] is None else f"  (good {row['good']:g}, fail {row['fail']:g})"
     verdict = row["verdict"] or "reported"
     head = f"{row['scene']:4}{SCENES[row['scene']].name:22}"

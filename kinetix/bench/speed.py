@@ -59,7 +59,7 @@ class NoObservation(AbstractObservation):
         return {}
 
     def __call__(self, state: EnvState) -> tuple[()]:
-        """Nothing."""
+        """Return an empty observation."""
         del state
         return ()
 

@@ -80,7 +80,7 @@ def decide_of(command: Asked, player: "Player") -> Callable[..., Any]:
     """Return how the player chooses actions in an episode with draws of its own.
 
     Args:
-        command: Tells the mode.
+        command: The command, for its mode.
         player: Who plays.
     """
     decide = player.policy.decide

@@ -68,7 +68,7 @@ class MeasureEveryday:
     count: int = 500
     """Number of scenes."""
     seed: int = 0
-    """Of the scenes."""
+    """Seed of the scenes."""
     physics: str = "balanced"
     """Physics preset or solver."""
     peer: str | None = None
@@ -193,7 +193,7 @@ def _printed(
 
 
 def _watched(rows: Iterable[dict[str, Any]]) -> Iterator[dict[str, Any]]:
-    """Say on stderr which line is being measured: the first may compile for a minute."""
+    """Report on stderr which line is being measured: the first may compile for a minute."""
     found = iter(rows)
     with contextlib.closing(Terminal()) as terminal:
         for number in itertools.count(1):

@@ -73,7 +73,7 @@ class Verify:
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Split(OneCore):
-    """Draw the split of a set anew."""
+    """Draw another split of a set."""
 
     source: Annotated[Positional[NamedPath], tyro.conf.arg(metavar="SET")]
     """The set; it is written in place."""
@@ -127,7 +127,7 @@ def _name_after(path: Path) -> str:
 
 
 def _where_levels_are(made: LoadedSet, *, inline: bool) -> str:
-    """Say which levels the file of a set names by path, and which it contains."""
+    """Print which levels the file of a set names by path, and which it contains."""
     named = 0 if inline else sum(entry.path is not None for entry in made.manifest.levels)
     held = len(made.levels) - named
     if not held:
@@ -183,7 +183,7 @@ class Verdict:
     noop: str | None
     """Outcome of doing nothing; None where the level could not be played."""
     solution: str | None
-    """Outcome of the recorded solution; None where there is none."""
+    """Outcome of the recorded solution; None without one."""
     unsolved: bool = False
     """True if the level is tagged so, which makes it only reported."""
     records: bool = True

@@ -132,7 +132,7 @@ def run(command: Render) -> int:
 
 
 def _tell_what_is_outside(level: Level) -> None:
-    """Say how much of a level no picture has: they show the arena's square alone."""
+    """Report how much of a level lies outside pictures: they show the arena's square alone."""
     away = sum(outside_arena(bounds(body)) for body in level.bodies)
     if away:
         print(
@@ -214,7 +214,7 @@ def _showing(command: Render, agent: str) -> Showing:
 
 
 def _patient(moments: Iterator[Moment]) -> Iterator[Moment]:
-    """Pass an episode on; say that its step is compiled where the first ones take long."""
+    """Pass an episode on; report that its step is being compiled if the first ones take long."""
     with announced("preparing the player and the step"):
         yield from itertools.islice(moments, 2)
     yield from moments
@@ -356,7 +356,7 @@ def _frames(
 
 
 def _picture(moment: Moment, command: Render) -> "Image.Image":
-    """One frame."""
+    """Draw one frame."""
     from PIL import Image
 
     from kinetix.agents.films import picture_of

@@ -55,7 +55,8 @@ class Common:
     """An environment that does nothing, to debug training code quickly."""
     coordinator: Annotated[str | None, tyro.conf.arg(metavar="HOST:PORT")] = None
     """Train together with other machines: where the first of them is reached, or `auto` under a
-    scheduler that tells. Every machine is given the same command and a directory that all share."""
+    scheduler that reports it. Every machine is given the same command and a directory that all
+    share."""
     num_processes: int | None = None
     """Number of processes that train together."""
     process_id: int | None = None
@@ -229,7 +230,7 @@ def _default_preset(command: Common, out: Path) -> str | None:
 
 
 def _tell_preset(command: Common, runs: Iterable[Path], terminal: Terminal) -> None:
-    """Say so where one is taken that nobody has chosen."""
+    """Report the agent that is taken if none was chosen."""
     if any(_default_preset(command, out) for out in runs):
         terminal.say(
             f"preset {_SMALL}, which fits a laptop; --preset paper has the paper's numbers"
@@ -237,7 +238,7 @@ def _tell_preset(command: Common, runs: Iterable[Path], terminal: Terminal) -> N
 
 
 def _train(algorithm: str, config: Any, out: Path, teacher: Any, terminal: Terminal) -> None:
-    """Train once, telling how it goes."""
+    """Train once, and report the progress."""
     from kinetix.training.devices import is_leader
     from kinetix.training.run import train
 
@@ -270,7 +271,7 @@ def _announcement(algorithm: str, setup: Any) -> str:
 
 
 def _room(setup: Any) -> str:
-    """Say how many environments there is memory for."""
+    """Report how many environments fit into memory."""
     from kinetix.training.memory import estimate
 
     need = estimate(setup)

@@ -153,7 +153,7 @@ def _fields(record: Any) -> list[str]:
 
 
 def _changed(record: Any, flat: Mapping[str, Any], block: str) -> Any:
-    """The record with what its block, and the options beside it, say."""
+    """Return the record with the values of its block and of the options beside it."""
     given = dict(flat.get(block) or {})
     names = [name for name in _fields(type(record)) if name != "features"]
     changes = {name: given[name] for name in names if name in given}

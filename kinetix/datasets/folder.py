@@ -71,7 +71,7 @@ class Added:
 
 
 def read_manifest(folder: Path) -> Manifest:
-    """Return what a data set says of itself.
+    """Return the manifest of a data set.
 
     Args:
         folder: The data set.
@@ -101,7 +101,7 @@ def read_dataset(folder: Path, *, check: bool = True) -> Iterator[RecordedEpisod
 
     Args:
         folder: The data set.
-        check: Compare each shard with what the manifest says of it.
+        check: Compare each shard with its entry in the manifest.
 
     Raises:
         KinetixError: The folder is not a data set, or a shard is missing, damaged, or differs from
@@ -144,7 +144,7 @@ def win_origins(folder: Path) -> Iterator[Origin]:
 
 
 def add_episodes(folder: Path, episodes: Iterable[RecordedEpisode]) -> Added:
-    """Add episodes to a data set, which is made where there is none.
+    """Add episodes to a data set, which is made if needed.
 
     Whatever ends it early, Ctrl+C too, what was taken until then is written; a kill loses a shard.
 
@@ -263,7 +263,7 @@ def _origins(episodes: Iterable[RecordedEpisode]) -> tuple[Origin, ...]:
 
 @contextlib.contextmanager
 def _opened(folder: Path) -> Iterator[Manifest]:
-    """Make the folder where there is none, and hold its lock."""
+    """Make the folder if needed, and hold its lock."""
     with begun_folder(folder, "another recording"):
         if os.path.isfile(folder / MANIFEST):
             yield read_manifest(folder)

@@ -35,7 +35,7 @@ from kinetix.level.sizes import parse_capacity
 from kinetix.wording import misfit, plural
 
 ORIGINS: Final = "origins.json"
-"""File that says of our own trajectories where they are from; kinetix-env's have none."""
+"""File with the origins of our own trajectories; kinetix-env's have none."""
 STEPS: Final = 256
 """Environment steps in a trajectory; an episode that is over begins again."""
 PREFIX: Final = "env_state/"

@@ -77,7 +77,7 @@ def replay(episode: RecordedEpisode, capacity: Capacity | None = None) -> Replay
 
 
 def checked(episode: RecordedEpisode) -> RecordedEpisode:
-    """Return the episode with `replays` as playing it again tells.
+    """Return the episode with `replays` as found by playing it again.
 
     Args:
         episode: The episode; one that cannot be played, such as under physics that there is not,

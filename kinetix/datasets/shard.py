@@ -74,7 +74,7 @@ def pack(episodes: Sequence[RecordedEpisode]) -> bytes:
 
 
 def _played(episodes: Sequence[RecordedEpisode]) -> dict[str, np.ndarray]:
-    """The arrays of a shard that tell of its episodes, not of their levels."""
+    """Return the arrays of a shard about its episodes, not their levels."""
     lengths = [episode.length for episode in episodes]
     done = np.zeros(sum(lengths), bool)
     done[np.cumsum(lengths) - 1] = True

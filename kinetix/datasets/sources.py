@@ -76,7 +76,7 @@ class _Places:
                 yield FoundEpisode(episode=episode, place="solution", name=each.name)
 
     def saved(self) -> Iterator[tuple[Path, RecordedEpisode | KinetixError]]:
-        """Read the files that the editor saved, or say what is wrong with those below a folder."""
+        """Read the files that the editor saved, or report faults of those below a folder."""
         for path in self.traces:
             try:
                 yield path, episode_of_trace(path)

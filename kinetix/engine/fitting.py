@@ -48,7 +48,7 @@ def fitted(spec: SceneSpec) -> SceneSpec:
 def narrow(
     world: World, state: State, control: Control, spec: SceneSpec
 ) -> tuple[World, State, Control]:
-    """The used slots alone, with bodies numbered anew.
+    """The used slots alone, with bodies renumbered.
 
     The state's cache is that of the fitted scene already; which pairs touched is not carried over,
     as no step reads it.

@@ -129,7 +129,7 @@ def _visited(
     start: T,
 ) -> T:
     """One loop through the first entries of some blocks, each given by their number and place."""
-    # Not even the shape of a visit can be told where there is nothing.
+    # Without bodies not even the shape of a visit is known.
     if most == 0:
         return start
     ends = list(itertools.accumulate(count for count, _ in blocks))

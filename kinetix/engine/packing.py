@@ -31,7 +31,7 @@ def _group(number: int, dtype: Any, rows: int) -> str:
 
 
 def unpack(packed: dict[str, Shaped[Array, "..."]], like: Tree, axis: int) -> Tree:
-    """The inverse of `pack`; `like` tells the shapes, but not how many worlds there are.
+    """Undo `pack`; `like` has the shapes, but not the number of worlds.
 
     Args:
         packed: With the worlds on the last axis (axis 0) or on the first one (axis 1).

@@ -27,7 +27,7 @@ class Store:
 
     @staticmethod
     def beside(values: Float[Array, "..."]) -> "Store":
-        """A store whose condition hangs on values that only exist at run time (NaN included)."""
+        """A store whose condition depends on values that only exist at run time (NaN included)."""
         return Store(always=~(values.ravel()[0] > 1e30))
 
     def __call__(self, tree: T) -> T:

@@ -284,8 +284,8 @@ def check_values(
     Args:
         env: An environment, or a wrapper around one.
         actions: What an action means; None: its values are not looked at.
-        arguments: Those of its `step`, `reset` or `get_obs`.
-        named: Likewise.
+        arguments: Positional arguments of its `step`, `reset` or `get_obs`.
+        named: Keyword arguments of it.
         batch: True for an action a world; it is not waited for, as that would cost some percent.
 
     Raises:

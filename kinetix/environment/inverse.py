@@ -35,7 +35,7 @@ class _Table:
     features: tuple[Feature, ...]
 
     def column(self, name: str) -> Float[Array, " e"]:
-        """One column."""
+        """Return one column."""
         names = [feature.name for feature in self.features]
         return self.rows[:, names.index(name)]
 
@@ -112,7 +112,7 @@ def state_from_flat(
     """The state that a flat observation shows.
 
     As for `state_from_entities`; besides, walls and ceiling are the standard ones, and inverse
-    masses and inertias that were clipped are computed anew from shape and density, as Kinetix does.
+    masses and inertias that were clipped are recomputed from shape and density, as Kinetix does.
 
     Args:
         observation: As `FlatObservations` makes it, without a batch axis.
@@ -156,7 +156,7 @@ def make_inverse_render_symbolic(
     """A function that draws symbolic observations.
 
     Args:
-        env_params: Parameters; they say how large the picture is.
+        env_params: Parameters, with the size of the picture.
         static_env_params: Sizes.
 
     Returns:

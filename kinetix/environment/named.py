@@ -65,10 +65,10 @@ def make_named_env(
         physics: Physics preset or solver.
         auto_reset: Whether `step` goes on with a new episode where one is done.
         dense_reward_scale: Weight of the distance reward; None: that of `EnvParams`.
-        frame_skip: Physics steps per environment step; None: 2, or what the file says.
+        frame_skip: Physics steps per environment step; None: 2, or that of the file.
 
     Raises:
-        KinetixError: A word is none of these; the sentence lists them.
+        KinetixError: A word is none of these; the message lists them.
     """
     changes: dict[str, Any] = {} if frame_skip is None else {"frame_skip": frame_skip}
     if isinstance(level, str) and level.endswith(RANDOM):

@@ -23,7 +23,7 @@ Parity = Literal["kinetix-3"]
 
 @pytree
 class EnvParams:
-    """Numbers that may change without compiling anew; hashable by value, a pytree under jit."""
+    """Numbers that may change without recompiling; hashable by value, a pytree under jit."""
 
     dt: float = 1 / 60
     """Physics step [s]."""

@@ -70,7 +70,7 @@ class _OneOf:
     """Draws one of some levels; it can be pickled."""
 
     levels: EnvState
-    """Stacked."""
+    """The levels, stacked."""
     edges: Float[np.ndarray, " n"]
     """Sums of the probabilities of all levels up to each but the last."""
 
@@ -79,7 +79,7 @@ class _OneOf:
         return _one_of, (self.levels, self.edges)
 
     def __repr__(self) -> str:
-        """Tell of how many."""
+        """Return the number of levels."""
         return f"<reset function: one of {len(self.edges) + 1} levels>"
 
     def __call__(self, key: Array) -> EnvState:
@@ -115,8 +115,8 @@ def load_from_json_file(
     Args:
         path: A file of either format, the name of a bundled level such as `s/name`, or a level.
         static_env_params: The sizes to compile to; by default the file's own.
-        gravity: `"fixed"`: (0, −9.81) whatever the file says.
-        time_limit: `"fixed"`: 256 steps whatever the file says.
+        gravity: `"fixed"`: (0, −9.81) whatever the file has.
+        time_limit: `"fixed"`: 256 steps whatever the file has.
         physics: Physics preset of the result; by default that of `static_env_params`.
         parity: `"kinetix-3"`: everything as kinetix-env does (physics `jax2d`, both `"fixed"`).
 

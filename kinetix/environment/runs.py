@@ -53,7 +53,7 @@ class Run:
     ids: Int[np.ndarray, " b"]
     """Of the bodies, as the level has them."""
     time: Float[np.ndarray, " k"]
-    """[s]."""
+    """Times of the frames [s]."""
     position: Float[np.ndarray, "k b 2"]
     """Centres of mass [m]."""
     rotation: Float[np.ndarray, "k b"]
@@ -61,7 +61,7 @@ class Run:
     velocity: Float[np.ndarray, "k b 2"]
     """Of the centres of mass [m/s]."""
     angular_velocity: Float[np.ndarray, "k b"]
-    """[rad/s]."""
+    """Angular velocities of the bodies [rad/s]."""
     dropped_contacts: Int[np.ndarray, " s"]
     """Per step (one fewer than moments): 0 where every contact was solved."""
 

@@ -53,7 +53,7 @@ def _remade(
 
 
 def digest(tree: Any) -> str:
-    """What tells pytrees of arrays apart: their structure, types, shapes and numbers."""
+    """Return a key of pytrees of arrays: their structure, types, shapes and numbers."""
     leaves, structure = jax.tree.flatten(tree)
     summary = hashlib.sha256(str(structure).encode())
     for leaf in map(np.asarray, leaves):

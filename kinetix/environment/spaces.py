@@ -79,7 +79,7 @@ class Space(abc.ABC):
     """A set of values of one structure."""
 
     gymnax_name: ClassVar[str] = "Space"
-    """The class of gymnax that says the same."""
+    """Return the corresponding class of gymnax."""
 
     def __new__(cls, *arguments: Any, **options: Any) -> Self:
         """Make an instance that is one of gymnax's class as well, where gymnax is there."""
@@ -108,7 +108,7 @@ class Discrete(Space):
     dtype: Any = jnp.int32
 
     def sample(self, key: Array) -> Array:
-        """One integer, uniform."""
+        """Draw an integer uniformly."""
         return jax.random.randint(key, self.shape, 0, self.n, self.dtype)
 
     def contains(self, x: Any) -> Bool[Array, ""]:
@@ -194,7 +194,7 @@ class Box(Space):
         )
 
     def __hash__(self) -> int:
-        """By shape and type."""
+        """Hash the shape and the type."""
         return hash((self.shape, np.dtype(self.dtype)))
 
     def sample(self, key: Array) -> Array:

@@ -30,9 +30,9 @@ class BodiesView:
     rotation: Float[Array, " b"]
     """Angles [rad]."""
     velocity: Float[Array, "b 2"]
-    """[m/s]."""
+    """Velocities of the bodies [m/s]."""
     angular_velocity: Float[Array, " b"]
-    """[rad/s]."""
+    """Angular velocities of the bodies [rad/s]."""
     active: Bool[Array, " b"]
     """True where the slot holds a body."""
 

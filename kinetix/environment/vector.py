@@ -40,8 +40,8 @@ class VectorEnv(ResetsByName):
         """Refuse values that a compiled step cannot see; each call from Python begins with it.
 
         Args:
-            arguments: Those of `step`, `reset` or `get_obs`.
-            named: Likewise.
+            arguments: Positional arguments of `step`, `reset` or `get_obs`.
+            named: Keyword arguments of it.
 
         Raises:
             KinetixError: A parameter or a choice of an action is out of its range, or a level to

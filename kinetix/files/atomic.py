@@ -137,7 +137,7 @@ def replacing(path: Path, *, told: str = "") -> Iterator[Path]:
 
     Args:
         path: The file; its folder must exist.
-        told: Begins the sentence about a failure; by default that `path` cannot be saved.
+        told: Beginning of the message about a failure; by default that `path` cannot be saved.
 
     Yields:
         Path of a file that does not exist yet, in the same folder. After an exception it is

@@ -119,7 +119,7 @@ def _object(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
 
 
 def _oddities(value: Any, path: str) -> Iterator[tuple[str, str]]:
-    """Yield where a tree says what other readers would understand in another way, and what."""
+    """Yield places of a tree that other readers would understand in another way, and why."""
     if isinstance(value, dict):
         if isinstance(value, DuplicateKeys):
             yield f"{path}.{value.key[:60]}", "the key stands twice"

@@ -52,7 +52,7 @@ class Draws:
         return self._keys
 
     def use(self, begun: Bool[np.ndarray, " n"]) -> None:
-        """Draw anew for the environments that have begun with their keys."""
+        """Draw new numbers for the environments that have begun with their keys."""
         for index in np.flatnonzero(begun).tolist():
             self._draw(index)
 

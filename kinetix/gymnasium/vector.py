@@ -74,7 +74,7 @@ class KinetixVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
             **options: As for `KinetixGymEnv`.
 
         Raises:
-            KinetixError: A word is unknown; the sentence lists those that are known. Or the process
+            KinetixError: A word is unknown; the message lists those that are known. Or the process
                 was forked from one in which JAX runs.
         """
         refuse_fork()
@@ -119,7 +119,7 @@ class KinetixVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
         Args:
             seed: One for all (environment i gets seed + i), or one each. Each environment draws
                 its levels as a `KinetixGymEnv` with its seed does.
-            options: `{"reset_mask": mask}`: which environments start anew.
+            options: `{"reset_mask": mask}`: which environments restart.
 
         Raises:
             KinetixError: An option is unknown, the mask or the seeds are of another number, a seed
@@ -271,7 +271,7 @@ class KinetixVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
         return truths.astype(bool)
 
     def _seeded(self, seed: Any, mask: np.ndarray | None) -> Draws:
-        """The draws, those of a mask or all begun anew with seeds where there are any."""
+        """Return the random numbers; with seeds, those of a mask or all restart."""
         seeds = self._seeds(seed)
         if self._draws is None:
             self._draws = Draws.of(self.np_random, self.num_envs)
@@ -307,10 +307,10 @@ def _advance(
     how: tuple[KinetixEnv, AutoresetMode, int | None],
     played: tuple[Array, Any, Array, Bool[Array, " n"]],
 ) -> tuple[Any, Any, tuple[Array, ...], Any]:
-    """Step all; start anew where the mode says so.
+    """Step all; restart where the mode says so.
 
     Args:
-        how: The environment, when an episode starts anew, and after how many steps it ends.
+        how: The environment, when an episode restarts, and after how many steps it ends.
         played: Keys, states and actions, and which environments had ended.
     """
     env, mode, most_steps = how
@@ -343,7 +343,7 @@ def _advance(
 
 
 def _masks(info: Mapping[str, Any], mask: np.ndarray) -> dict[str, np.ndarray]:
-    """Say which environments the entries of an info are about, as Gymnasium does."""
+    """Mark the environments that the entries of an info are about, as Gymnasium does."""
     return {f"_{name}": mask.copy() for name in info}
 
 

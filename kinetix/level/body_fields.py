@@ -16,9 +16,9 @@ class BodyFields(typing.TypedDict, total=False):
     angle: float
     """Turn around the centre of mass [rad]."""
     velocity: Point
-    """[m/s]."""
+    """Velocity at the start [m/s]."""
     angular_velocity: float
-    """[rad/s]."""
+    """Angular velocity at the start [rad/s]."""
     density: float
     """Mass per area [kg/m²]."""
     friction: float

@@ -189,7 +189,7 @@ class LevelBuilder:
     ) -> int:
         """Join two bodies at a point so that they can turn against each other.
 
-        Bodies that hang together by joints, also through fixed ones, do not collide.
+        Bodies connected by joints, also through fixed ones, do not collide.
 
         Args:
             a: First body.

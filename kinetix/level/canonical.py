@@ -13,7 +13,7 @@ from kinetix.level.model import Level, Record, round_real
 
 FORMAT: Final = "kinetix-level"
 VERSION: Final = 2
-"""The newest version of the format. Each level is written in the oldest one that can say it."""
+"""The newest version of the format. Each level is written in the oldest one that can hold it."""
 
 _INDENT: Final = "  "
 _ON_ONE_LINE: Final = frozenset(
@@ -45,7 +45,7 @@ def record_tree(record: Record) -> dict[str, Any]:
 
 
 def version_of(level: Level) -> int:
-    """Return the oldest version of the format that can say a level: names came with version 2."""
+    """Return the oldest version of the format that can hold a level: names came with version 2."""
     return 2 if any(entity.name is not None for entity in level.entities()) else 1
 
 

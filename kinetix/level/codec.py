@@ -1,4 +1,4 @@
-"""Reading and writing level files: our format and kinetix-env's, told apart by content. No JAX."""
+"""Read and write level files: our format and kinetix-env's, by content. No JAX."""
 
 import contextlib
 import dataclasses
@@ -44,7 +44,7 @@ class LoadedLevel:
     format: LevelFormat
     """The format of the file."""
     mends: tuple[Fault, ...] = ()
-    """Differences from the file, because a document cannot say what it says."""
+    """Differences from the file that a document cannot represent."""
     lost: tuple[str, ...] = ()
     """Parts of the file that the level does not carry, one sentence each."""
     source: KinetixEnvDocument | None = None
@@ -91,7 +91,7 @@ def resolve_path(name: str | Path) -> Path:
 
 
 def load_document(path: str | Path) -> LoadedLevel:
-    """Read a level file of either format, with what it says beyond the level.
+    """Read a level file of either format, with its data beyond the level.
 
     Args:
         path: A file, or the name of a bundled level such as `s/name`.
@@ -105,9 +105,9 @@ def load_document(path: str | Path) -> LoadedLevel:
 
 
 def load_level(path: str | Path) -> Level:
-    """Read a level file, ours or kinetix-env's, told apart by content.
+    """Read a level file, ours or kinetix-env's, distinguished by content.
 
-    A warning says what had to be mended.
+    A warning lists what had to be repaired.
 
     Args:
         path: A file, or the name of a bundled level such as `s/name`.
@@ -197,7 +197,7 @@ def _checked_level(tree: dict[str, Any], path: str, faults: FaultCollector) -> L
             f"program reads; a newer release may open it",
         )
         return None
-    # A tree made anew would not tell that a key stood twice, which `check_tree` refuses.
+    # A parsed tree hides that a key stood twice, which `check_tree` refuses.
     body = tree if isinstance(tree, DuplicateKeys) else migrate(tree, version, VERSION)
     body.pop("format", None)
     body.pop("version", None)
@@ -280,7 +280,7 @@ def save_level(
         source: As in `dumps`.
 
     Returns:
-        The names of the fields that the format cannot say; empty for our own format.
+        The names of the fields that the format cannot hold; empty for our own format.
 
     Raises:
         LevelError: `level` is not a level, or one that could not be read again; the file cannot be

@@ -1,4 +1,4 @@
-"""Faults of a file: codes with JSON paths, collected and told in one sentence."""
+"""Faults of a file: codes with JSON paths, collected and reported in one sentence."""
 
 import dataclasses
 import json
@@ -38,7 +38,7 @@ class FaultCollector:
     """Gathers faults while a tree is checked."""
 
     def __init__(self, *, beyond_files: bool = False) -> None:
-        """Begin without any.
+        """Begin without faults.
 
         Args:
             beyond_files: Whether reals may be larger than a file's, as what is made in Python may.

@@ -105,7 +105,7 @@ class _NoSolver(AbstractSolver):
     name = "none"
 
     def empty_cache(self, spec: SceneSpec) -> Any:
-        """Nothing is kept."""
+        """Return an empty cache: nothing is kept."""
         return ()
 
     def step(self, world: Any, state: Any, control: Any, parameters: Any, spec: Any) -> State:

@@ -1,6 +1,6 @@
 """The formats as JSON Schema (draft 2020-12), for editors and other programs, from the model.
 
-A schema says what one value may be. References between ids, convexity and centres of mass are the
+A schema restricts single values. References between ids, convexity and centres of mass are the
 reader's to check (`kinetix validate`).
 """
 

@@ -26,7 +26,7 @@ def read_text(path: Path, kind: Kind = "level") -> str:
 
 
 def decode_text(data: bytes, file: str) -> str:
-    """Bytes as UTF-8 text.
+    """Decode bytes as UTF-8 text.
 
     Raises:
         LevelError: The bytes are not UTF-8.

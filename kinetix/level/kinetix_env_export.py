@@ -1,4 +1,4 @@
-"""From our documents to kinetix-env's level JSON; README.md says what gets lost."""
+"""From our documents to kinetix-env's level JSON; README.md lists what gets lost."""
 
 import json
 from collections.abc import Sequence
@@ -78,7 +78,7 @@ def dump_tree(tree: Any) -> str:
 
 
 def from_level(level: Level, *, stem: str | None = None) -> tuple[str, tuple[str, ...]]:
-    """kinetix-env's JSON text for a level, and what that text cannot say.
+    """Return kinetix-env's JSON text for a level, and the fields that it cannot hold.
 
     Args:
         level: The document.

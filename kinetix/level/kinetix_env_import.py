@@ -1,4 +1,4 @@
-"""From kinetix-env's level JSON to our documents; README.md says what is not carried."""
+"""From kinetix-env's level JSON to our documents; README.md lists what is not carried."""
 
 import contextlib
 import math
@@ -76,7 +76,7 @@ def to_level(
         not carry.
 
     Raises:
-        LevelError: The file holds something that our format cannot say.
+        LevelError: The file holds something that our format cannot represent.
     """
     faults = FaultCollector()
     level, places = None, peer_places(document)

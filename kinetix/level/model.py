@@ -5,7 +5,7 @@ Every real number is an IEEE-754 binary32 value. The one place that rounds is
 lists into tuples and minus zero into zero, so that equal documents are equal byte for byte.
 
 Limits stand in the annotations (`msgspec.Meta`) and hold when a file is *read*; code may build a
-level that breaks them (`kinetix.level.validate` then says so), because an edit must never crash.
+level that breaks them (`kinetix.level.validate` then reports it), because an edit must never crash.
 The same annotations carry what an inspector needs: unit, usual range (`slider`) and `step`.
 """
 
@@ -60,7 +60,7 @@ MAX_TAG: Final = 40
 MAX_TITLE: Final = 120
 """Most characters of the name of a level."""
 MAX_DESCRIPTION: Final = 4000
-"""Most characters of what a level says of itself."""
+"""Most characters of the description of a level."""
 MAX_NAME: Final = 60
 """Most characters of the name of a body, joint or thruster."""
 MAX_STEPS: Final = 100_000
@@ -97,7 +97,7 @@ def _real(
     slider: tuple[float, float] | None = None,
     step: float = 0.01,
 ) -> Meta:
-    """Metadata of a real: what it is, its unit, what a file may say, the usual range and step."""
+    """Metadata of a real: meaning, unit, range in a file, usual range and step."""
     low, high = limits or (None, None)
     if low is not None and high is not None:
         # A bound such as 0.02 has no binary32 value; the nearest one must count as inside.
@@ -442,7 +442,7 @@ class Solution(Record, frozen=True, kw_only=True):
 
 
 class SizeHint(Record, frozen=True, kw_only=True):
-    """A capacity that is none of the named ones; `polygons` counts the four arena bodies."""
+    """A capacity without a name; `polygons` counts the four arena bodies."""
 
     polygons: Annotated[int, Meta(ge=4, le=MAX_ENTITIES)]
     circles: Annotated[int, Meta(ge=0, le=MAX_ENTITIES)]

@@ -1,4 +1,4 @@
-"""What the arrays of a world can hold and no level can say."""
+"""Arrays of a world that no level can represent."""
 
 from typing import Any
 

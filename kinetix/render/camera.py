@@ -45,7 +45,7 @@ def to_pixels(
 def to_world(
     pixel: Float[Array, "*s 2"], camera: Camera, width: int, height: int
 ) -> Float[Array, "*s 2"]:
-    """The inverse of `to_pixels`."""
+    """Return the place in the world of a pixel; the inverse of `to_pixels`."""
     from_centre = jnp.stack([pixel[..., 0] - width / 2, height / 2 - pixel[..., 1]], axis=-1)
     return from_centre / camera.pixels_per_metre + camera.centre
 

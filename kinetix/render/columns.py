@@ -21,7 +21,7 @@ FAR = 1e6
 def polygon_span(
     vertices: Float[Array, "q v 2"], inset: float, columns: Float[Array, " x"]
 ) -> Span:
-    """Rows inside convex polygons.
+    """Return the rows inside convex polygons.
 
     The pixel p is inside when cross(a − p, b − p) ≤ −inset·|b − a| for each edge a → b. That is
     linear in the row: an edge that is not vertical bounds it from one side, a vertical one keeps or

@@ -183,7 +183,7 @@ def _change(before: Image.Image, picture: Image.Image) -> dict[str, Any] | None:
 
 def _write_mp4(path: Path, frames: Frames, per_second: float, comment: str) -> None:
     program, frames = ffmpeg(), iter(frames)
-    path.touch()  # where nothing can be written, this says so in one sentence
+    path.touch()  # if nothing can be written, this reports it in one sentence
     first = next(frames)
     height, width, _ = first.shape
     source = f"-f rawvideo -pix_fmt rgb24 -s {width}x{height} -r {per_second} -i -".split()
@@ -199,7 +199,7 @@ def _write_mp4(path: Path, frames: Frames, per_second: float, comment: str) -> N
             stderr=complaints,
         ) as writer:
             assert writer.stdin is not None
-            # Where ffmpeg gives up it closes the pipe; what it says is told below.
+            # If ffmpeg gives up it closes the pipe; its message is reported below.
             with contextlib.suppress(BrokenPipeError), writer.stdin as pipe:
                 for frame in itertools.chain([first], frames):
                     pipe.write(np.ascontiguousarray(frame).tobytes())

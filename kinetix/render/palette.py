@@ -40,7 +40,7 @@ class Palette:
     """Body of a thruster's mark."""
 
     def fill(self, role: int, fixed: bool = False) -> Rgb:
-        """Colour of a body.
+        """Return the colour of a body.
 
         Args:
             role: Role number, 0–3.
@@ -60,7 +60,7 @@ def shaded(colour: Rgb, factor: float) -> Rgb:
 
 
 def luminance(colour: Rgb) -> float:
-    """Relative luminance, 0–1.
+    """Return the relative luminance, 0–1.
 
     Source: WCAG 2.2, definition of relative luminance (IEC 61966-2-1).
     """

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 JOINT_PIXELS: Final = 6
 """Side of a joint's mark in the full-size picture at 100 pixels a metre."""
 THRUSTER_PIXELS: Final = 16
-"""Side of a thruster's mark, likewise."""
+"""Side of a thruster's mark in that picture."""
 
 _FIXED: Final = 4
 _BLACK: Final = 8
@@ -272,7 +272,7 @@ def pixel_codes(
     return columns.paint(low, count, code, _WHITE, grid.height)
 
 
-@functools.lru_cache(maxsize=64)  # whoever asks again gets what is compiled
+@functools.lru_cache(maxsize=64)  # later calls get the compiled function
 def _make_renderer(grid: PixelGrid, scale: float) -> Callable[["EnvState"], Float[Array, "x y 3"]]:
     colours = _COLOURS * np.float32(scale)
 

@@ -132,7 +132,7 @@ def thruster_marks(
     palette: Palette,
     style: Style,
 ) -> tuple[raster.Layers, raster.Layers]:
-    """Flame and nozzle.
+    """Draw the flames and nozzles of thrusters.
 
     Args:
         centre: Where the thrusters sit [px].

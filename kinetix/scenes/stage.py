@@ -107,5 +107,5 @@ class Stage:
         return self._builder.thruster(body, place, angle=angle, power=power)
 
     def level(self) -> Level:
-        """The finished document."""
+        """Return the finished document."""
         return self._builder.build()

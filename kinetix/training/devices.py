@@ -37,7 +37,7 @@ def join(coordinator: str, *, num_processes: int | None, process_id: int | None)
 
     Args:
         coordinator: Host and port of the first process, as the others reach it, or "auto" where a
-            cluster's scheduler tells.
+            cluster's scheduler provides.
         num_processes: How many processes there are; None: the scheduler knows.
         process_id: Which of them this is, from 0; None: the scheduler knows.
 

@@ -73,7 +73,7 @@ def _differing(name: str, old: Any, new: Any) -> str:
 
 
 def refuse_lost_checkpoints(out: Path, config: PpoConfig) -> None:
-    """Refuse to begin anew where a run has come further than to its first checkpoint.
+    """Refuse to start over where a run has come further than its first checkpoint.
 
     Args:
         out: The run's directory, in which there is no checkpoint.
@@ -92,7 +92,7 @@ def refuse_lost_checkpoints(out: Path, config: PpoConfig) -> None:
 
 
 def unreadable_agent(checkpoint: Path) -> str:
-    """Say what is wrong with an agent, or nothing.
+    """Return what is wrong with an agent, or nothing.
 
     Args:
         checkpoint: Its directory.

@@ -67,7 +67,7 @@ class MetricsLog:
     """Writes one row an update.
 
     The JSON lines are the truth. The CSV, with a column for every metric that has occurred, and the
-    events of TensorBoard are made from them, anew whenever a run goes on.
+    events of TensorBoard are made from them, again whenever a run goes on.
     """
 
     def __init__(self, run: Path, *, updates: int = 0) -> None:
@@ -215,7 +215,7 @@ def keep_damaged_rows(run: Path, updates: int, say: Callable[[str], None]) -> No
 
 
 def _only_rows(path: Path) -> bool:
-    """Return whether a file is there and loses nothing when it is written anew."""
+    """Return whether a file is there and loses nothing when it is rewritten."""
     if not os.path.isfile(path):
         return False
     lines = read_bytes(path, "metrics").decode("utf-8", errors="replace").split("\n")

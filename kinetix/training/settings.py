@@ -82,7 +82,7 @@ def make_config(
         run: A run's directory; if it has a `config.toml`, that comes before everything else.
 
     Raises:
-        KinetixError: Something is not known or out of range; the sentence says where.
+        KinetixError: Something is not known or out of range; the message says where.
     """
     if algorithm not in CONFIGS:
         raise KinetixError(f"algorithm: expected one of {', '.join(CONFIGS)}, got {algorithm!r}")

@@ -230,7 +230,7 @@ def make_setup(config: PpoConfig, *, gradient_steps: int, teacher: Agent | None 
             configuration.
 
     Raises:
-        KinetixError: Something does not fit; the sentence says what.
+        KinetixError: Something does not fit; the message says what.
     """
     check_divisible(config)
     ued = UEDParams(legacy_ceiling=True) if config.parity == "kinetix-3" else UEDParams()

@@ -48,7 +48,7 @@ class SweepRun:
     """One training of a sweep."""
 
     name: str
-    """Of its directory."""
+    """Name of its directory."""
     values: Mapping[str, Any]
     """Hyper-parameters by name."""
 
@@ -60,7 +60,7 @@ def read_sweep(path: Path) -> list[SweepRun]:
         path: A TOML file.
 
     Raises:
-        KinetixError: It cannot be read, or a table is not as expected; the sentence says where.
+        KinetixError: It cannot be read, or a table is not as expected; the message says where.
     """
     try:
         content = tomllib.loads(read_text(path, "run"))

@@ -50,7 +50,7 @@ class Clip(Record, frozen=True, kw_only=True):
 
 
 def copied(level: Level, selection: Selection) -> Clip:
-    """The sub-graph of a selection: its bodies with everything that hangs only on them.
+    """Return the sub-graph of a selection: its bodies with all joints and thrusters between them.
 
     A selection without bodies copies the selected joints and thrusters themselves, which serve as
     the source of pasted properties.
@@ -92,7 +92,7 @@ def loads(text: str) -> Clip:
 
 
 def loads_level(text: str) -> Level | None:
-    """Read the text of a level's file; None where it is none.
+    """Read the text of a level's file; None if it is something else.
 
     Raises:
         CommandError: The text is a level's file that cannot be read.
@@ -149,11 +149,11 @@ class Paste:
 
     @property
     def label(self) -> str:
-        """Counts."""
+        """Label with the number of items."""
         return count_label(self.verb, len(self.clip.bodies), "shape")
 
     def apply(self, level: Level) -> Level:
-        """Append the sub-graph; joints to the arena are anchored anew where they now are.
+        """Append the sub-graph; joints to the arena are anchored at their new places.
 
         Raises:
             CommandError: The clip holds no body.

@@ -194,7 +194,7 @@ class SetField:
 
     @property
     def label(self) -> str:
-        """Says field and value."""
+        """Label with field and value."""
         shown = self.shown or _worded(self.field, self.value)
         name = field_name(self.field)
         return f"{name} → {shown}" if len(shown) <= 24 else f"Change {name.lower()}"
@@ -230,7 +230,7 @@ class AdjustField:
 
     @property
     def label(self) -> str:
-        """Says field and change."""
+        """Label with field and change."""
         return f"{field_name(self.field)} {self.shown or self.change}"
 
     @property
@@ -355,7 +355,7 @@ def _holding_as_drawn(level: Level, old: Joint, new: Joint) -> Joint:
     """
     try:
         drawn = relative_angle(level, new)
-    except KeyError:  # A body is missing; the problems panel says so.
+    except KeyError:  # A body is missing; the problems panel reports it.
         return new
     if new.kind == "fixed":
         begins = old.kind != "fixed"
@@ -379,7 +379,7 @@ class SetLevelField:
 
     @property
     def label(self) -> str:
-        """Names the field."""
+        """Label with the name of the field."""
         return f"Change {self.field.split('.')[0].replace('_', ' ')}"
 
     @property
@@ -411,7 +411,7 @@ class PasteProperties:
 
     @property
     def label(self) -> str:
-        """Counts."""
+        """Label with the number of items."""
         return count_label("Paste properties on", len(self.ids), "item")
 
     def apply(self, level: Level) -> Level:

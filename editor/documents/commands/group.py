@@ -52,12 +52,12 @@ class Move:
 
     ids: Selection
     shift: Point
-    """[m]"""
+    """Displacement of every body [m]."""
     merge_key: Hashable | None = None
 
     @property
     def label(self) -> str:
-        """Counts."""
+        """Label with the number of items."""
         return count_label("Move", len(self.ids), "shape")
 
     def apply(self, level: Level) -> Level:
@@ -117,7 +117,7 @@ class Rotate:
 
     @property
     def label(self) -> str:
-        """Counts."""
+        """Label with the number of items."""
         return count_label("Rotate", len(self.ids), "shape")
 
     def apply(self, level: Level) -> Level:
@@ -159,12 +159,12 @@ class Scale:
     ids: Selection
     factor: float
     pivot: Point
-    """[m]"""
+    """Point that stays in place [m]."""
     merge_key: Hashable | None = None
 
     @property
     def label(self) -> str:
-        """Counts."""
+        """Label with the number of items."""
         return count_label("Scale", len(self.ids), "shape")
 
     def apply(self, level: Level) -> Level:
@@ -200,7 +200,7 @@ class Stretch:
 
     @property
     def label(self) -> str:
-        """Fixed."""
+        """Label of the edit in menus and history."""
         return "Resize shape"
 
     def apply(self, level: Level) -> Level:
@@ -254,7 +254,7 @@ class SetVertices:
 
     @property
     def label(self) -> str:
-        """Fixed."""
+        """Label of the edit in menus and history."""
         return "Move vertex"
 
     def apply(self, level: Level) -> Level:
@@ -281,7 +281,7 @@ class Mirror:
 
     @property
     def label(self) -> str:
-        """Says the direction."""
+        """Label with the direction."""
         return "Mirror left–right" if self.axis == "x" else "Mirror up–down"
 
     def apply(self, level: Level) -> Level:
@@ -338,7 +338,7 @@ class Reorder:
 
     @property
     def label(self) -> str:
-        """Says the direction."""
+        """Label with the direction."""
         return "Bring forward" if self.step == 1 else "Send back"
 
     def apply(self, level: Level) -> Level:
@@ -368,7 +368,7 @@ class Remove:
 
     @property
     def label(self) -> str:
-        """Counts."""
+        """Label with the number of items."""
         return count_label("Delete", len(self.ids), "item")
 
     def apply(self, level: Level) -> Level:

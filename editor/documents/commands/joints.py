@@ -88,7 +88,7 @@ class MoveJoint:
 
     @property
     def label(self) -> str:
-        """Fixed."""
+        """Label of the edit in menus and history."""
         return "Move joint"
 
     def apply(self, level: Level) -> Level:
@@ -120,7 +120,7 @@ class RehangJoint:
 
     @property
     def label(self) -> str:
-        """Fixed."""
+        """Label of the edit in menus and history."""
         return "Move joint to other bodies"
 
     def apply(self, level: Level) -> Level:
@@ -154,7 +154,7 @@ class ReassignJoint:
 
     @property
     def label(self) -> str:
-        """Fixed."""
+        """Label of the edit in menus and history."""
         return f"Change body {self.end.upper()} of joint"
 
     def apply(self, level: Level) -> Level:
@@ -185,7 +185,7 @@ class Reanchor:
 
     @property
     def label(self) -> str:
-        """Fixed."""
+        """Label of the edit in menus and history."""
         return "Re-anchor joint"
 
     def apply(self, level: Level) -> Level:
@@ -207,7 +207,7 @@ class HoldAsDrawn:
 
     @property
     def label(self) -> str:
-        """Fixed."""
+        """Label of the edit in menus and history."""
         return "Hold as drawn"
 
     def apply(self, level: Level) -> Level:
@@ -228,7 +228,7 @@ class WidenLimits:
 
     @property
     def label(self) -> str:
-        """Fixed."""
+        """Label of the edit in menus and history."""
         return "Widen limits"
 
     def apply(self, level: Level) -> Level:

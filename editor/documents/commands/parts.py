@@ -74,7 +74,7 @@ def arm() -> Clip:
 
 
 def _chain(count: int, length: float, thickness: float, *, posts: int) -> Clip:
-    """Return links in a row, without motors, that hang on one fixed post or on two.
+    """Return links in a row, without motors, attached to one fixed post or to two.
 
     Args:
         count: How many links.

@@ -34,7 +34,7 @@ def component(level: Level, ids: Collection[EntityId]) -> set[int]:
 
 
 def joined(level: Level, ids: Collection[EntityId]) -> list[set[int]]:
-    """The given bodies in pieces: those that hang on one another by joints are one."""
+    """Return the given bodies in groups: bodies joined to each other are one."""
     inner = tuple(joint for joint in level.joints if joint.a in ids and joint.b in ids)
     level, pieces = level.replace(joints=inner), []
     for body in level.bodies:

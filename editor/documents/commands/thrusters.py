@@ -41,7 +41,7 @@ class AddThruster:
 
     @property
     def label(self) -> str:
-        """Fixed."""
+        """Label of the edit in menus and history."""
         return "Add thruster"
 
     def apply(self, level: Level) -> Level:
@@ -80,7 +80,7 @@ class PlaceThruster:
 
     @property
     def label(self) -> str:
-        """Says which."""
+        """Label of aiming or moving."""
         return "Aim thruster" if self.point is None else "Move thruster"
 
     def apply(self, level: Level) -> Level:

@@ -121,7 +121,7 @@ class ToolContext(Protocol):
         ...
 
     def complain(self, text: str) -> None:
-        """Say why something was not done."""
+        """Report why something was not done."""
         ...
 
 

@@ -53,7 +53,7 @@ class ThrusterTool(Tool):
     creates = True
 
     def hover(self, session: ToolContext, event: PointerEvent) -> Feedback:
-        """Say whether there is something to push."""
+        """Report whether there is something to push."""
         if self._body(session, event.world) is None:
             return Feedback(hint=NO_BODY, cursor=Cursor.REFUSED)
         return Feedback(cursor=Cursor.CROSS)

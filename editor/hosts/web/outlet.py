@@ -87,7 +87,7 @@ class Outlet:
 
         Args:
             name: What it is about.
-            value: Anything that JSON can say.
+            value: Any JSON value.
             lasting: Whether a page that is opened later has to know it.
         """
         with self._changed:
@@ -107,7 +107,7 @@ class Outlet:
         self._wake()
 
     def attach(self) -> int:
-        """Begin anew with a page; returns the connection's number for `packets`."""
+        """Start over with a page; returns the connection's number for `packets`."""
         with self._changed:
             self._connections += 1
             self._viewing = self._connections
@@ -131,7 +131,7 @@ class Outlet:
         return present
 
     def finish(self) -> None:
-        """Let what was said last go out, then end."""
+        """Send the last messages, then end."""
         with self._changed:
             ends = time.monotonic() + _PARTING
             self._changed.wait_for(lambda: not (self._viewing and self._messages), _PARTING)

@@ -37,7 +37,7 @@ _SOURCES: Final = (
 )
 MOST_ATTEMPTS: Final = 1000
 _MOST_WORDS: Final = 60
-"""Letters of the names of agents that are shown; the rest is told by the tooltip."""
+"""Letters of the names of agents that are shown; the tooltip has the rest."""
 _NAMED: Final = 12
 """So many attempts of an ending are named."""
 _ATTEMPTS: Final = 250.0
@@ -91,7 +91,7 @@ class EvaluatePanel(Panel):
             imgui.end_child()
 
     def _head(self, session: "Session") -> None:
-        """Filter and means."""
+        """Draw the filter and the means."""
         imgui.set_next_item_width(px(210))
         form = session.viewer.form
         _, form.wanted = widgets.input_line("wanted", "Filter levels", form.wanted)

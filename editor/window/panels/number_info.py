@@ -31,7 +31,7 @@ class FieldInfo:
         return DEGREES if self.unit in ("rad", "rad/s") and not radians else 1.0
 
     def shown_unit(self, radians: bool) -> str:
-        """Unit beside the field."""
+        """Return the unit that is shown beside the field."""
         return self.unit if radians else {"rad": "°", "rad/s": "°/s"}.get(self.unit, self.unit)
 
 

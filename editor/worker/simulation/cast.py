@@ -1,4 +1,4 @@
-"""Agents on the worker: load them once, tell what they are, let them drive an episode."""
+"""Agents on the worker: load them once, describe them, let them play an episode."""
 
 import dataclasses
 import math
@@ -60,7 +60,7 @@ def player_of(ref: AgentRef) -> Player:
 
 
 def load(path: str) -> AgentSummary:
-    """Read an agent and tell what it is.
+    """Read an agent and describe it.
 
     Raises:
         CheckpointError: The agent cannot be loaded; one sentence.
@@ -197,7 +197,7 @@ class AgentDriver:
             level: The level.
             physics: Preset or solver.
             casting: Who plays, with which draws.
-            progress: Told how far loading and compiling are.
+            progress: Called with how far loading and compiling are.
             quick: Whether a step that is compiled quickly will do.
 
         Raises:
@@ -272,7 +272,7 @@ class AgentDriver:
             self._carry = on_device(memory)
 
     def step(self, state: EnvState, step: int, hand: Action | None) -> Step:
-        """One environment step.
+        """Do one environment step.
 
         Args:
             state: Where the episode is.

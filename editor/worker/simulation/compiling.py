@@ -45,7 +45,7 @@ QUICK: Final = Tier(name="quick", options=tuple(quick_options().items()), compil
 FULL: Final = Tier(name="full", options=(), compiling=5.0)
 
 _OWN_CACHE: Final = "JAX_COMPILATION_CACHE_DIR" in os.environ
-"""Whoever names a folder for JAX's cache wants everything in it."""
+"""If the user names a folder for JAX's cache, everything goes there."""
 _TRACING: Final = 0.18
 """Share of tracing in tracing and lowering."""
 
@@ -57,7 +57,7 @@ class Pace:
 
 
 _AS_EXPECTED: Final = 0.75
-"""Up to here progress is as the usual duration says."""
+"""Up to this share, progress follows the usual duration."""
 
 
 def slowing(share: float) -> float:
@@ -86,7 +86,7 @@ class Compilation:
 
         Args:
             recipe: What to compile.
-            lock: Held by whoever comes to wait or leaves.
+            lock: Held while a waiter is added or removed.
             background: Whether it may take its time.
             done: Called at the end, by the thread that compiles.
         """
@@ -221,7 +221,7 @@ class Programs:
 
         Args:
             recipe: Which.
-            progress: Told how far it is.
+            progress: Called with how far it is.
             background: Nobody waits for it but a job that can wait.
 
         Raises:

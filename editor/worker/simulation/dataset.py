@@ -15,7 +15,7 @@ def add_episode(request: AddEpisode, progress: Progress) -> str:
         A sentence: what the data set holds now.
 
     Raises:
-        KinetixError: The controls alone do not tell the episode, or the folder or a data set cannot
+        KinetixError: The controls do not reproduce the episode, or the folder or a data set cannot
             take it.
     """
     progress.report(None, "Playing the episode again")

@@ -1,4 +1,4 @@
-"""One episode on the environment: start, advance, restore, tell as numpy."""
+"""One episode on the environment: start, advance, restore, export as numpy."""
 
 import dataclasses
 import time
@@ -51,7 +51,7 @@ class HandDriver:
         self._stepper = stepper
 
     def remember(self, memory: Any) -> None:
-        """Nothing to remember."""
+        """Do nothing: a person has no memory."""
 
     def warm(self, state: EnvState, step: int) -> None:
         """Do once what a first step does; see `AgentDriver.warm`."""
@@ -73,7 +73,7 @@ class Episode:
 
         Args:
             request: What is played.
-            progress: Told how far the compiler is, where something has to be compiled.
+            progress: Called with how far the compiler is, where something has to be compiled.
             judges: Whether the outcome is to hold elsewhere too: then the step is the one that
                 every level of the size shares, as in commands, level sets and evaluations. The one
                 for this level alone rounds differently, and what is won by a hair may be lost.

@@ -74,7 +74,7 @@ def _places(
     request: Explain,
     cell: float,
 ) -> tuple[float, np.ndarray | None]:
-    """The value as things are, and with the asked body and what hangs on it elsewhere."""
+    """Return the value as things are, and with the asked body and its joined bodies elsewhere."""
     level = request.level
     held = next((k for k, body in enumerate(level.bodies) if body.id == request.body), None)
     moved = _moved(moment, slots, level, request.body)

@@ -140,7 +140,7 @@ def thruster_drives(level: Level, unified: np.ndarray) -> np.ndarray:
 
 
 def goal_distance(state: EnvState) -> float:
-    """Return what a step tells as its distance, of a state before the first step [m].
+    """Return the distance that a step would report, of a state before the first step [m].
 
     Of NumPy's arrays: to compile the environment's function would hold the first picture up.
     """

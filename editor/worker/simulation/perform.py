@@ -137,7 +137,7 @@ def perform(request: Request, progress: Progress) -> Any:
 
     Args:
         request: What to do.
-        progress: Told how far it is; raises `Cancelled` when nobody waits any more.
+        progress: Called with how far it is; raises `Cancelled` when nobody waits any more.
 
     Raises:
         KinetixError: The request cannot be done; the message says why.

@@ -63,7 +63,7 @@ def _draw(
 
 
 def palette_named(name: str) -> Palette:
-    """A display palette.
+    """Return a palette for the screen.
 
     Raises:
         KinetixError: No palette has this name.

@@ -170,7 +170,7 @@ def best_stepper(level: Level, physics: str, progress: Progress, *, quick: bool)
     Args:
         level: The level.
         physics: Preset or solver.
-        progress: Told how far the compiler is.
+        progress: Called with how far the compiler is.
         quick: Whether the quick tier will do.
 
     Raises:

@@ -1,7 +1,7 @@
 """Outputs of an actor: distributions over the three kinds of action, and the heads that make them.
 
 Log-probabilities and entropies of compound actions are sums over their parts. `restricted` leaves
-out the controls that a level does not have: what is said about those changes nothing.
+out the controls that a level does not have: their logits change nothing.
 """
 
 import dataclasses
@@ -28,7 +28,7 @@ class Distribution(Protocol):
         ...
 
     def mode(self) -> Array:
-        """The likeliest action."""
+        """Return the likeliest action."""
         ...
 
     def log_prob(self, action: Array) -> Float[Array, "*n"]:
@@ -42,7 +42,7 @@ class Distribution(Protocol):
     def divergence(self, other: Any) -> Float[Array, "*n"]:
         """Return the Kullback–Leibler divergence of another one of the kind from this one [nat].
 
-        It is 0 where both say the same; parts that are not live do not count.
+        It is 0 for equal distributions; parts that are not live do not count.
         """
         ...
 
@@ -157,7 +157,7 @@ class Categorical:
         return jax.random.categorical(key, self.logits / temperature)
 
     def mode(self) -> Int[Array, "*n"]:
-        """The likeliest choice."""
+        """Return the likeliest choice."""
         return jnp.argmax(self.logits, axis=-1)
 
     def log_prob(self, action: Int[Array, "*n"]) -> Float[Array, "*n"]:
@@ -166,7 +166,7 @@ class Categorical:
         return jnp.sum(self._told_apart() * chosen, axis=-1)
 
     def entropy(self) -> Float[Array, "*n"]:
-        """Entropy [nat]."""
+        """Return the entropy [nat]."""
         # Choices that do the same share one logarithm: their sum is −p ln p of all together.
         return -jnp.sum(jnp.exp(jax.nn.log_softmax(self.logits)) * self._told_apart(), axis=-1)
 
@@ -213,7 +213,7 @@ class DiagonalNormal:
     """Independent normal distributions; nothing is squashed, the environment clips."""
 
     logits: Float[Array, "*n d"]
-    """Means, which is what the network says."""
+    """Means, the output of the network."""
     log_std: Float[Array, " d"]
     """Logarithms of the standard deviations; the same in every state."""
     live: Bool[Array, "*n d"] | None = None
@@ -225,7 +225,7 @@ class DiagonalNormal:
         return self.logits + noise * jnp.exp(self.log_std) * temperature
 
     def mode(self) -> Float[Array, "*n d"]:
-        """The mean."""
+        """Return the mean."""
         return self.logits
 
     def log_prob(self, action: Float[Array, "*n d"]) -> Float[Array, "*n"]:
@@ -235,7 +235,7 @@ class DiagonalNormal:
         return -0.5 * self._sum(distance**2 + 2 * self.log_std + constant)
 
     def entropy(self) -> Float[Array, "*n"]:
-        """Differential entropy [nat]."""
+        """Return the differential entropy [nat]."""
         each = self.log_std + 0.5 * (1 + jnp.log(2 * jnp.pi))
         return self._sum(jnp.broadcast_to(each, self.logits.shape))
 

@@ -86,7 +86,7 @@ class ActorCriticHead(nn.Module):
         embeddings: tuple[Float[Array, "k n e"], ...],
         dones: Bool[Array, "k n"],
     ) -> Output:
-        """Policy and value.
+        """Return the policy and the value.
 
         Args:
             carry: Recurrent state before the first step.

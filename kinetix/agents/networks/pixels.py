@@ -27,7 +27,7 @@ class ResNetBasicBlock(nn.Module):
 
     @nn.compact
     def __call__(self, x: Float[Array, "n w h c"]) -> Float[Array, "n v g d"]:
-        """The block's output."""
+        """Return the block's output."""
 
         def convolve(value: Array, size: int, stride: int, index: int) -> Array:
             value = nn.Conv(

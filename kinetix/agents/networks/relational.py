@@ -1,8 +1,8 @@
 """The relational network: an encoder per kind of entity, messages along joints, pooling.
 
 Neither the order of entities nor the room for them means anything to it, so one set of parameters
-plays every size. Places are told from the green and the blue body too, and all motors decide by the
-same layers, from the joint that each drives; so do all thrusters.
+plays every size. Places are relative to the green and the blue body too, and all motors decide by
+the same layers, from the joint that each drives; so do all thrusters.
 
 Source: sets are reduced as in Zaheer et al., "Deep Sets" (2017); joints and thrusters send messages
 as in Battaglia et al., "Relational inductive biases, deep learning, and graph networks" (2018).

@@ -44,7 +44,7 @@ def linear(
     use_bias: bool = True,
     name: str | None = None,
 ) -> nn.Dense:
-    """A linear layer.
+    """Make a linear layer.
 
     Args:
         features: Number of outputs.

@@ -158,7 +158,7 @@ class Transformer(nn.Module):
 
 
 class Messages:
-    """Rows that stand between bodies: what they say and to whom.
+    """Rows that connect bodies: their embeddings and the bodies.
 
     Rows find their bodies by products with one-hot matrices. There are few bodies, and neither
     gathers nor their gradients, which are scatters, run well in batches.

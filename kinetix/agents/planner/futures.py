@@ -80,7 +80,7 @@ def play_futures(
     """Play groups of plans, each group until one of it has won.
 
     Args:
-        env: Where; without auto-reset.
+        env: The environment, without auto-reset.
         states: Where the plans of each group begin.
         plans: Proposals; the length is a multiple of `STRETCH`.
         noise: Added to the distances by which the beam chooses, per stretch [m].
@@ -195,7 +195,7 @@ def _advance(
 
 
 def _shown(states: EnvState, position: Float[Array, "g n b 2"]) -> Float[Array, "g n 2"]:
-    """Return the place of the body whose way is told: green or blue, the first that can move."""
+    """Return the place of the body with the path: green or blue, the first that can move."""
     role, bodies = states.labels.role, states.world.bodies
     moves = bodies.active & (bodies.inverse_mass > 0)
     green = (role == GREEN) & bodies.active

@@ -26,7 +26,7 @@ CHILDREN: Final = 9
 LENGTH: Final = 256
 """Of a plan [environment steps]."""
 SHOWN: Final = 12
-"""Futures of a group that are told, from the best to mediocre ones."""
+"""Futures of a group that are reported, from the best to mediocre ones."""
 NOISE: Final = 0.05
 """Scale of the noise by which the beam chooses [m]."""
 

@@ -46,7 +46,7 @@ class ChartSettings:
     results: Path
     """Folder of the measured rows; what is missing there is measured."""
     physics: tuple[str, ...] = ()
-    """Presets whose speed is measured anew. Their errors are measured where missing."""
+    """Presets whose speed is measured again. Their errors are measured where missing."""
     batches: tuple[int, ...] = BATCHES
 
 
@@ -127,7 +127,7 @@ def _facet(points: Sequence[Point], group: str, batch: int) -> list[Point]:
 
 
 def _measure(physics: str, settings: ChartSettings, say: Callable[[str], None]) -> None:
-    """Errors where there are none yet, speeds anew; in processes of their own."""
+    """Errors where there are none yet, speeds again; in processes of their own."""
     accuracy = settings.results / ACCURACY / f"{file_name(physics)}.jsonl"
     if missing := missing_scenes(accuracy, "core,built"):
         say(f"{physics}: errors in {missing}")

@@ -33,7 +33,7 @@ def chosen_peers(text: str) -> tuple[Peer, ...]:
 
 
 def measure_for_chart(peer: Peer, results: Path) -> Iterator[dict[str, Any]]:
-    """Errors where there are none yet, speeds anew; yields the rows of speed as they are stored.
+    """Errors where there are none yet, speeds again; yields the rows of speed as they are stored.
 
     Raises:
         KinetixError: The engine is not installed or its program failed.

@@ -94,7 +94,7 @@ def _exported(
         # Of no mesh that the caller has set: the next process may have another, or none.
         with jax.sharding.use_abstract_mesh(jax.sharding.AbstractMesh((), ())):
             made = export.export(run, platforms=(_PLATFORM,))(*leaves)  # pyright: ignore[reportArgumentType]
-    except Exception:  # it has something that no file can hold; whatever is wrong is told without
+    except Exception:  # it has something that no file can hold; errors are raised without
         return None
     finally:
         _INSIDE.reset(token)

@@ -23,7 +23,7 @@ class BatchProgram:
     like: Callable[..., Tree] | None
     tile: int
     structure: Any
-    """Of the arguments."""
+    """Tree structure of the arguments."""
     words: str | None = None
     """All about the kernel, the same in every process; None where there are no such words."""
 

@@ -135,7 +135,7 @@ def _held_one(
 def _pushed_beyond(
     points: Points, body: Int[Array, "1 n"], motion: Vec, side: Vec
 ) -> Bool[Array, "p n"]:
-    """Tell which polygons a body overlaps and leaves by a contact that faces away from its centre.
+    """Return the polygons that a body overlaps and leaves by a contact away from its centre.
 
     Args:
         points: The contacts of the step.

@@ -41,7 +41,7 @@ class BlockWriter:
         self._done: set[Item] = set()
 
     def write(self) -> None:
-        """Write all."""
+        """Write all operations."""
         left = self._items.all
         while left:
             ready = [item for item in left if self._is_ready(item)]
@@ -63,10 +63,8 @@ class BlockWriter:
             self._done.update(done)
             left = [item for item in left if item not in self._done]
 
-    # --- what can be done ---
-
     def _is_heavy(self, item: Item) -> bool:
-        """Tell whether an operation is written by itself."""
+        """Return whether an operation is written by itself."""
         node = item.node
         if node is None:
             return False
@@ -81,7 +79,7 @@ class BlockWriter:
         return item.target is None or not self._is_awaited(item, group)
 
     def _is_awaited(self, item: Item, group: Sequence[Item]) -> bool:
-        """Tell whether what a store overwrites is still to be read."""
+        """Return whether what a store overwrites is still to be read."""
         assert item.target is not None and item.source is not None
         place = item.target.place
         if item.overwrites_own and not item.is_copied:
@@ -132,8 +130,6 @@ class BlockWriter:
         if any(self._readers[tenant] - self._done - {item} for tenant in place.tenants):
             return None
         return place
-
-    # --- doing it ---
 
     def _compute(self, item: Item) -> None:
         """Every lane computes a small value for itself."""

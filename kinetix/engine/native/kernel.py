@@ -39,7 +39,7 @@ class KernelText:
     text: str
     """C++, with the function `step`."""
     lanes: int
-    """Of a world."""
+    """Lanes per world."""
     far: int
     """Bytes of memory that each world needs while it is worked on."""
 

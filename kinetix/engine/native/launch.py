@@ -70,7 +70,7 @@ def _kernel(
     many: bool,
     target: str,
 ) -> Kernel | None:
-    """The kernel of a program; None where there is none, which is told as a warning."""
+    """Return the kernel of a program; None if it cannot be made, with a warning."""
     try:
         with usual_promotion(), uncollected():
             made = kernel_text(program.whole, leaves, many=many)

@@ -5,7 +5,7 @@ from collections.abc import Iterable
 from typing import Final
 
 ALIGNMENT: Final = 4
-"""Of every array [bytes]."""
+"""Alignment of every array [bytes]."""
 
 
 @dataclasses.dataclass(eq=False)

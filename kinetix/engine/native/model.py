@@ -34,7 +34,7 @@ class Node:
     """One operation."""
 
     name: str
-    """Of the primitive."""
+    """Name of the primitive."""
     inputs: list[Value]
     outputs: list[Value]
     parameters: dict[str, Any]

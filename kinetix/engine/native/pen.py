@@ -51,7 +51,7 @@ class Pen:
         self._guards = 0
 
     def name(self, letter: str) -> str:
-        """A new name."""
+        """Return a new name."""
         self._number += 1
         return f"{letter}{self._number}"
 
@@ -70,8 +70,6 @@ class Pen:
             names.append(self.name("r"))
             self.lines.append(f"{kind} {names[-1]}={entry};")
         self.places[value] = names
-
-    # --- waiting ---
 
     def wait(self) -> None:
         """Have the lanes wait for each other, if any has written or read."""
@@ -103,7 +101,7 @@ class Pen:
             buffer.span.last = self.time
 
     def mark_written(self, place: Place) -> None:
-        """Say that the text that is being written writes there."""
+        """Note that the text being written writes to a place."""
         if isinstance(place, Buffer):
             self._written.add(place)
 
@@ -127,8 +125,6 @@ class Pen:
         self.time += 1
         self.loops.append((start, self.time))
         self.read_since = True
-
-    # --- reading ---
 
     def entries(self, value: Value) -> list[str]:
         """The C of all entries of a small value."""
@@ -204,10 +200,8 @@ class Pen:
             self.constants.append(f"TABLE({kind}, {name}, {entries.size}) {{{text}}};")
         return f"{self.tables[key]}[{index.flat}]"
 
-    # --- storing ---
-
     def is_stored(self, source: Value, target: Target) -> bool:
-        """Tell whether a value lies where it shall go."""
+        """Return whether a value lies where it shall go."""
         is_whole = target.shape is None and target.first == 0
         return is_whole and self.places.get(source) is target.place
 

@@ -54,7 +54,7 @@ class Target:
 
 
 def chosen(names: Registers, at: Number) -> str:
-    """One of some registers."""
+    """Choose one of several registers."""
     if isinstance(at, int):
         return names[at]
     chain = names[-1]

@@ -1,4 +1,4 @@
-"""Operations that only read others elsewhere: a row of the table says where, and what it costs.
+"""Operations that only read other arrays elsewhere: a row of the table has the index and cost.
 
 `read(value, index)` gives the C of an entry. FREE ones are never stored: a transposed table is the
 table, read at other places.

@@ -27,12 +27,12 @@ REDUCTIONS: Final[dict[str, Callable[[str, str], str]]] = {
 
 
 def is_serial(node: Node) -> bool:
-    """Tell whether every lane reduces all entries for itself."""
+    """Return whether every lane reduces all entries for itself."""
     return node.inputs[0].size <= SERIAL_SIZE and node.outputs[0].size <= UNIFORM_SIZE
 
 
 def is_uniform(node: Node) -> bool:
-    """Tell whether every lane keeps the result."""
+    """Return whether every lane keeps the result."""
     return node.outputs[0].size == 1 or is_serial(node)
 
 

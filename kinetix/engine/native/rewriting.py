@@ -1,4 +1,4 @@
-"""Operations that are read as others: a row of the table says as which."""
+"""Operations that are replaced by others: a table of replacements."""
 
 from collections.abc import Callable, Sequence
 from typing import Any, Final, Protocol
@@ -12,7 +12,7 @@ class Reader(Protocol):
     """What takes operations."""
 
     def add(self, name: str, inputs: list[Value], results: list[Value], **parameters: Any) -> Node:
-        """Add one."""
+        """Add an operation."""
         ...
 
 

@@ -206,7 +206,7 @@ def _of_rows(groups: tuple[tuple[int, int], ...], of_links: T) -> T:
 def _in_a_row(parts: list[Shaped[Array, "_ n"]]) -> Shaped[Array, "m n"]:
     """One after the other; nothing to do for one part alone, and for empty ones.
 
-    Joined in the midst of arithmetic, parts are not free: each entry asks anew in which it lies.
+    Parts that are concatenated within arithmetic are not free: every entry looks up its part.
     """
     filled = [part for part in parts if part.shape[0]] or parts[:1]
     return filled[0] if len(filled) == 1 else jnp.concatenate(filled, axis=0)

@@ -78,7 +78,7 @@ def in_turn(
     """Visit one slot after the other.
 
     What a slot changes is carried to the next one and added there. So the bodies' arrays come out
-    of memory, and not out of a chain of impulses that XLA would compute anew for every body
+    of memory, and not out of a chain of impulses that XLA would recompute for every body
     (docs/physics.md).
     """
     count, worlds = targets.body_a.shape

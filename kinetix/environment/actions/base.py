@@ -14,7 +14,7 @@ from kinetix.level.compile import Labels
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class AbstractAction(abc.ABC):
-    """A way for an agent to say what the motors and thrusters do.
+    """An action space: how an agent controls the motors and thrusters.
 
     Every kind decodes to the *unified action*: one number −1 … 1 per motor binding, then one number
     0 … 1 per thruster binding.
@@ -45,7 +45,7 @@ class AbstractAction(abc.ABC):
 
     @abc.abstractmethod
     def random_action(self, key: Array) -> Any:
-        """A random action."""
+        """Return a random action."""
 
     def process_action(self, action: Any, labels: Labels) -> Control:
         """The engine's control for an action.

@@ -35,7 +35,7 @@ class ContinuousActions(AbstractAction):
         )
 
     def noop_action(self) -> Float[Array, " u"]:
-        """Zeros."""
+        """Return an action of zeros."""
         return jnp.zeros(self.action_space.shape, jnp.float32)
 
     def random_action(self, key: Array) -> Float[Array, " u"]:

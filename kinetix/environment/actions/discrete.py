@@ -36,5 +36,5 @@ class DiscreteActions(AbstractAction):
         return jnp.asarray(2 * self.motor_bindings, jnp.int32)
 
     def random_action(self, key: Array) -> Int[Array, ""]:
-        """Uniform over all values."""
+        """Return a random action, uniform over all values."""
         return self.action_space.sample(key)

@@ -33,7 +33,7 @@ class MultiDiscreteActions(AbstractAction):
         return forward - backward
 
     def noop_action(self) -> Int[Array, " u"]:
-        """Zeros."""
+        """Return an action of zeros."""
         return jnp.zeros(self.action_space.shape, jnp.int32)
 
     def random_action(self, key: Array) -> Int[Array, " u"]:

@@ -1,7 +1,7 @@
 """A whole level under construction, and how it becomes the environment's state and back.
 
 A `Draft` lists bodies by slot (polygons, the arena first, then circles), worlds on the last axis.
-It says what a level says and nothing derived: masses, the collision filter and the engine's empty
+It has the data of a level and nothing derived: masses, the collision filter and the engine's empty
 memory come in `states`.
 """
 

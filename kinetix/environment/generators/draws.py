@@ -148,7 +148,7 @@ class Tape:
     """
 
     def __init__(self, keys: UInt[Array, "n 2"], length: int) -> None:
-        typed = jax.random.wrap_key_data(keys)  # JAX can be told to refuse numbers as keys
+        typed = jax.random.wrap_key_data(keys)  # JAX can be configured to refuse numbers as keys
         rows = jax.vmap(lambda key: jax.random.uniform(key, (length,), jnp.float32))(typed)
         self._rows = rows.T
         self._next = 0

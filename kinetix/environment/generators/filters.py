@@ -104,7 +104,7 @@ def sample_filtered_levels(
     steps: int = FILTER_STEPS,
     ratio: int = SAMPLE_RATIO,
 ) -> EnvState:
-    """Levels of which (nearly) none is solved by doing nothing.
+    """Return levels; (nearly) none is solved by doing nothing.
 
     Args:
         key: Random key.

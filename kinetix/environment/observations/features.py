@@ -46,7 +46,7 @@ class Layout:
     motor_bindings: int
     thruster_bindings: int
     max_timesteps: int
-    """Time limit of levels that do not say; width of the blind form."""
+    """Time limit of levels without one; width of the blind form."""
     env_params: EnvParams
     """For the picture: pixels per metre."""
     static_env_params: StaticEnvParams

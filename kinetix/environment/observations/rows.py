@@ -115,7 +115,7 @@ def joint_rows(state: EnvState, layout: Layout) -> tuple[Array, Array]:
 
 
 def thruster_rows(state: EnvState, layout: Layout) -> Float[Array, "t f"]:
-    """Thrusters' rows."""
+    """Return the rows of thrusters."""
     thrusters = state.world.thrusters
     return jnp.concatenate(
         [

@@ -84,7 +84,7 @@ class SetLevel:
 
     @property
     def played(self) -> Level | Path:
-        """The level to play: the document, or kinetix-env's file, which says more."""
+        """The level to play: the document, or kinetix-env's file, which has more data."""
         return self.level if self.native or self.path is None else self.path
 
 

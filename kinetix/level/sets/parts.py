@@ -31,5 +31,5 @@ def training_part(levels: Sequence[SetLevel]) -> list[SetLevel]:
 
 
 def evaluation_part(levels: Sequence[SetLevel]) -> list[SetLevel]:
-    """Return the evaluation parts of sets; all levels where there is none."""
+    """Return the evaluation parts of sets; all levels of sets without one."""
     return [each for each in levels if each.split == "eval"] or list(levels)

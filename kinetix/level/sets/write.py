@@ -44,7 +44,7 @@ def inline_losses(loaded: LoadedSet, *, inline: bool = False) -> list[str]:
         inline: As for `dumps_set`.
 
     Returns:
-        One sentence for each such file that says more than its level, or that was mended.
+        One sentence per such file that has more than its level, or that was repaired.
 
     Raises:
         LevelError: A file is gone or damaged since it was read.

@@ -12,7 +12,7 @@ from kinetix.scenes.model import Trial
 FLOOR: Final = 0.4
 """Height of the arena's floor [m]."""
 WIDTH: Final = 5.0
-"""Of the arena [m]."""
+"""Width of the arena [m]."""
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -46,7 +46,7 @@ class EverydayScene:
     rests: tuple[int, ...] = ()
     """Bodies that must not move from the time `rests_from` on."""
     rests_from: float = 0.0
-    """[s]."""
+    """Time from which the bodies of `rests` must not move [s]."""
     inside: tuple[int, ...] = ()
     """Bodies whose centres must stay in `box`."""
     box: tuple[float, float, float, float] = (0.0, 0.0, WIDTH, WIDTH)

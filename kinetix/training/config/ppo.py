@@ -192,7 +192,7 @@ class PpoConfig:
         )
 
     def uneven(self, devices: int) -> str:
-        """Say what has no equal shares on so many devices; nothing where everything has.
+        """Return what these devices cannot share equally; empty if they can share everything.
 
         Args:
             devices: How many, over all processes.

@@ -34,7 +34,7 @@ class LevelBuffer:
 
 
 def empty_buffer(level: Any, capacity: int) -> LevelBuffer:
-    """A buffer without levels.
+    """Return a buffer without levels.
 
     Args:
         level: Any level, for shapes and dtypes.

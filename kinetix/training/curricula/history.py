@@ -64,7 +64,7 @@ class History:
             trainer: Whose buffer.
             state: Of the trainer, now.
             course: Where the training stands.
-            say: Takes a sentence where the earlier history cannot be read.
+            say: Takes a message if the earlier history cannot be read.
         """
         self._run, self._trainer, self._course = run, trainer, course
         self._every = max(1, -(-course.updates // _PAGES))

@@ -96,7 +96,7 @@ def write_page(
 
     Args:
         run: The run's directory.
-        head: What it says.
+        head: Totals of the page.
         levels: Those that it lists.
         slots: Of the ledger, so that a run that goes on knows who is who.
     """
@@ -153,7 +153,7 @@ def read_page(run: Path, update: int) -> BufferPage:
 
 
 def read_slots(run: Path, update: int) -> dict[str, np.ndarray]:
-    """Return what a page says of the buffer's slots.
+    """Return the slots of the buffer on a page.
 
     Raises:
         KinetixError: The page is missing or damaged; one sentence.

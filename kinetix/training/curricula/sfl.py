@@ -119,7 +119,7 @@ class Sfl:
         )
 
     def update(self, state: Any) -> tuple[Any, dict[str, Array]]:
-        """Fill the buffer anew when it is old, then train on it and on fresh levels.
+        """Refill the buffer when it is old, then train on it and on fresh levels.
 
         Args:
             state: From `start` or the last update.

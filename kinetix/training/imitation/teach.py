@@ -111,7 +111,7 @@ class Yield(msgspec.Struct, frozen=True, kw_only=True):
     """Environment steps of these."""
     shards: int = 0
     seconds: float = 0.0
-    """Of searching."""
+    """Duration of searching [s]."""
 
     @property
     def share(self) -> float:

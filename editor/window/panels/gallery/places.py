@@ -82,7 +82,7 @@ def listed(session: "Session", folder: Path) -> bool:
 def _place(
     session: "Session", folder: Path | None, label: str, count: int | None, *, indent: int = 0
 ) -> None:
-    """One line.
+    """Draw the line of a folder.
 
     Args:
         session: The session.

@@ -100,7 +100,7 @@ class Step:
 
 
 def joint_links(world: World, features: Features) -> Links:
-    """The joints' bodies."""
+    """Return the bodies of the joints."""
     joints = world.joints
     rows = 3 if features.welds or features.motors else 2
     in_use = InUse.of((joints.active, rows))
@@ -160,7 +160,7 @@ def joint_system(
         step: The worlds, what drives them, and the masses.
         position: Of all bodies [m].
         rotation: Of all bodies [rad].
-        velocity: Of all bodies; tells how far the motors are from their target.
+        velocity: Velocities of all bodies, for the distance of the motors from their target.
         duration: For how long the motors act in one solve [s].
 
     Returns:

@@ -66,7 +66,7 @@ class Direct(AbstractSolver):
         return self.slots or usual_room(spec)
 
     def empty_cache(self, spec: SceneSpec) -> Any:
-        """No impulses."""
+        """Return a cache without impulses."""
         points, joints = self.slots_for(spec).points, spec.capacity.joints
 
         limits = joints if spec.features.limits else 0
@@ -101,7 +101,7 @@ class Direct(AbstractSolver):
     def step(
         self, world: World, state: State, control: Control, parameters: Parameters, spec: SceneSpec
     ) -> State:
-        """See the contract."""
+        """Advance the worlds by one time step."""
         control = jax.tree.map(jnp.nan_to_num, control)
         h = parameters.dt / self.substeps
         store = Store.beside(state.rotation)
@@ -221,7 +221,7 @@ class Direct(AbstractSolver):
     ) -> Float[Array, "m n"]:
         """Closing speeds that are allowed (open gaps) or wanted away (overlaps).
 
-        What lies on taut joints is pressed into them anew whenever they are drawn straight, so all
+        What lies on taut joints is pressed into them again whenever they are drawn straight, so all
         of its overlap is taken away at once.
         """
         count = system.friction.shape[0]

@@ -128,7 +128,7 @@ def push_tangent(
 def bounce_contact(
     known: tuple[SoftContacts, Float[Array, "*k n"]], a: Twist, b: Twist, impulse: ContactImpulse
 ) -> tuple[Twist, Twist, ContactImpulse]:
-    """Separate at least as fast as `known[1]` says where it is positive."""
+    """Separate at least as fast as `known[1]`, where it is positive."""
     rows, wanted = known
     lever, normal = rows.lever, rows.normal
     closing = dot(normal, lever.speed(a, b)) - wanted

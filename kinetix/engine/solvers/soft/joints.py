@@ -55,9 +55,9 @@ class JointImpulse:
     x: Float[Array, "*k n"]
     y: Float[Array, "*k n"]
     turn: Float[Array, "*k n"]
-    """Of a weld or motor."""
+    """Angular impulse of a weld or motor."""
     stop: Float[Array, "*k n"]
-    """Of the next limit, positive away from it."""
+    """Impulse of the next limit, positive away from it."""
 
 
 def joint_rows(

@@ -88,7 +88,7 @@ class Soft(AbstractSolver):
     def step(
         self, world: World, state: State, control: Control, parameters: Parameters, spec: SceneSpec
     ) -> State:
-        """See the contract."""
+        """Advance the worlds by one time step."""
         store = Store.beside(state.rotation)
         found = find_contacts(world, state, parameters, spec, self.slots_for(spec), store)
         step, start = _prepared(self, world, state, control, parameters, spec, found, store)

@@ -58,7 +58,7 @@ class Proposals:
 
 
 def size_limit(ued: UEDParams) -> SizeLimit:
-    """The limits that the options say."""
+    """Return the limits of the options."""
     return SizeLimit(limit=ued.max_shape_size, goal_factor=ued.goal_body_size_factor)
 
 

@@ -1,4 +1,4 @@
-"""A creature put together: limbs of drawn sizes, hung from each other by joints with motors."""
+"""A creature put together: limbs of random sizes, joined to each other by motors."""
 
 import functools
 import math
@@ -123,10 +123,10 @@ class Creature:
         binding: Int[Array, " n"],
         active: Bool[Array, " n"],
     ) -> Limb:
-        """Hang a limb by its top end from a place on its parent.
+        """Attach a limb by its top end to a place on its parent.
 
         Args:
-            parent: What it hangs from.
+            parent: The limb that it is attached to.
             anchor: Where, in the parent's frame [m].
             size: Width and height of the new limb [m].
             angle: Its rotation relative to the parent [rad].

@@ -18,7 +18,7 @@ from kinetix.level.sizes import SIZES, needed_capacity
 from kinetix.level.validate import has_errors, validate
 
 FAMILIES_TRIED: Final = 100
-"""Families of which none fitted, after which none is expected to."""
+"""The search gives up after this many families that did not fit."""
 ATTEMPTS: Final = 10
 """Draws after which another family is tried."""
 OVERLAP: Final = "W202"
@@ -31,7 +31,7 @@ def random_machine(dice: random.Random, size: str, families: Sequence[Family] = 
     Args:
         dice: All that is random.
         size: `s`, `m` or `l`.
-        families: Those to draw from; by default all, as often as `FAMILIES` says.
+        families: Those to draw from; by default all, with the weights of `FAMILIES`.
 
     Raises:
         KinetixError: The size is none of these, or none of the families fits it.
@@ -110,7 +110,7 @@ def random_machines(seed: int, size: str, count: int) -> Iterator[Level]:
 
 
 def numbered_machine(seed: int, size: str, index: int) -> Level:
-    """Level `index` of `random_machines`.
+    """Return level `index` of `random_machines`.
 
     Args:
         seed: Any integer.

@@ -15,7 +15,7 @@ class Workshop:
     """A level on its way: a builder, the dice, and who plays which colour."""
 
     def __init__(self, dice: random.Random, builder: LevelBuilder) -> None:
-        """Decide the colours.
+        """Choose the colours.
 
         Args:
             dice: All that is random.
@@ -28,7 +28,7 @@ class Workshop:
         self.keys = dice.sample(range(4), 4)
         self.jets = dice.sample(range(2), 2)
         self.furniture = True
-        """True if obstacles may stand on the floor; else they hang in the air."""
+        """True if obstacles may stand on the floor; else they float in the air."""
         self.ledge = self.chance(0.25)
         """True if the machine begins on a ledge, where its family lets it."""
         self.ground = FLOOR + self.between(0.3, 1.6) if self.ledge else FLOOR
@@ -37,7 +37,7 @@ class Workshop:
         """Roles of floor, walls and ceiling, where they have one."""
 
     def between(self, low: float, high: float) -> float:
-        """A number between two."""
+        """Draw a number between two."""
         return self.dice.uniform(low, high)
 
     def chance(self, share: float) -> bool:

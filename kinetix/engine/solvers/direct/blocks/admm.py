@@ -49,7 +49,7 @@ class Admm(AbstractBlock):
         start: Float[Array, "m n"],
         cone: Cone,
     ) -> Float[Array, "m n"]:
-        """See the contract."""
+        """Solve for the impulses by ADMM."""
         del responses
         matrix, solve, penalty = prepared
         allowed = project(cone, start)
