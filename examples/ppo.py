@@ -64,7 +64,7 @@ class ActorCritic(nn.Module):
 
     @nn.compact
     def __call__(self, obs: jax.Array) -> tuple[jax.Array, jax.Array]:
-        """Logits and value."""
+        """Return the logits and the value."""
 
         def stack(outputs: int, gain: float) -> jax.Array:
             x = obs

@@ -1,4 +1,4 @@
-"""Write the tables of docs/accuracy.md anew from the rows in bench/accuracy/ and bench/peers/."""
+"""Write the tables of docs/accuracy.md again from the rows in bench/accuracy/ and bench/peers/."""
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path

@@ -81,7 +81,7 @@ def save(picture: Image.Image, path: Path) -> None:
 
 
 def main() -> None:
-    """Draw everything anew."""
+    """Draw everything again."""
     thumbnails = Thumbnails()
     every: list[Image.Image] = []
     for size in ("s", "m", "l"):

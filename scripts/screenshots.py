@@ -1,4 +1,4 @@
-"""Take the pictures of docs/pictures anew: the app itself, offscreen, driven by scripts.
+"""Retake the pictures of docs/pictures: the app itself, offscreen, driven by scripts.
 
 python scripts/screenshots.py [NAME …]      all, or those named: editor gallery play …
 """

@@ -136,7 +136,7 @@ class Soak:
             self.key(key)
             self.drag((2.0, 2.6), end)
             self.frames(5)
-        # Now and then it is another level that is played: the step is compiled anew.
+        # Now and then it is another level that is played: the step is recompiled.
         for _ in range(4 if self.rounds % 3 else 1):
             actions.run(self.session, "edit.undo")
             self.frames(5)

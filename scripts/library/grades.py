@@ -41,7 +41,7 @@ class Effort:
         return 1 + sum(self.needed > most for most in STEPS)
 
     def tree(self) -> dict[str, Any]:
-        """As JSON has it."""
+        """Return the values for JSON."""
         return dataclasses.asdict(self)
 
 

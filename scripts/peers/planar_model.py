@@ -83,7 +83,7 @@ def turned(vector: list[float], angle: float) -> list[float]:
 
 
 def quaternion(angle: float) -> list[float]:
-    """A turn about z."""
+    """Return the quaternion of a turn about z."""
     return [math.cos(angle / 2), 0.0, 0.0, math.sin(angle / 2)]
 
 

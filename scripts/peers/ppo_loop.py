@@ -47,7 +47,7 @@ class Head(nn.Module):
 
     @nn.compact
     def __call__(self, x: jax.Array) -> tuple[jax.Array, jax.Array]:
-        """Two layers each."""
+        """Apply two layers each for policy and value."""
         actor = critic = x
         for _ in range(2):
             actor, critic = nn.tanh(nn.Dense(128)(actor)), nn.tanh(nn.Dense(128)(critic))
@@ -133,7 +133,7 @@ def by_part(logits: jax.Array) -> list[jax.Array]:
 
 
 def log_prob(logits: jax.Array, action: jax.Array) -> jax.Array:
-    """Of a whole action."""
+    """Return the log-probability of a whole action."""
     chosen = [
         jnp.take_along_axis(part, action[..., index, None], axis=-1)[..., 0]
         for index, part in enumerate(by_part(logits))

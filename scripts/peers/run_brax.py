@@ -167,14 +167,14 @@ class BraxScene:
         return self._pipeline.init(given["system"], q, speeds)
 
     def advance(self, given: Any, state: Any) -> Any:
-        """A frame later."""
+        """Advance by one frame."""
         return repeated(functools.partial(self._step, given), state, self._substeps)
 
     def _step(self, given: Any, state: Any) -> Any:
         return self._pipeline.step(given["system"], state, self._actions(given, state))
 
     def seen(self, given: Any, state: Any) -> jax.Array:
-        """See the protocol."""
+        """Return the poses and velocities, as the protocol asks."""
         return jnp.stack([self._row(given, state, index) for index in range(self._recorded)])
 
     def _row(self, given: Any, state: Any, index: int) -> jax.Array:

@@ -48,7 +48,7 @@ def _leading_fixed(scene: Scene) -> int:
 
 
 def params_of(scene: Scene, substeps: int) -> SimParams:
-    """Its defaults without clips."""
+    """Return Jax2D's default parameters, without clips."""
     return SimParams(
         dt=scene["dt"] / substeps,
         clip_position=NO_CLIP,
