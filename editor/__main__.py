@@ -78,7 +78,7 @@ def _size(text: str | None) -> tuple[int, int]:
 
 
 def _welcome() -> Path | None:
-    """The level that the app opens on when none is named, and none was open last time."""
+    """Return the level that the app opens on when none is named, and none was open last time."""
     for name in ("l/rover_ridge", "s/first_flight"):
         path = levels_dir() / f"{name}.json"
         if os.path.isfile(path):

@@ -52,7 +52,7 @@ class KinetixVecEnv(VecEnv):
         return observation, reward, done, infos
 
     def get_images(self) -> list[np.ndarray | None]:
-        """A picture of every environment."""
+        """Return a picture of every environment."""
         return list(self.batch.render() or ())
 
     def close(self) -> None:

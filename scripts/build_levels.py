@@ -50,7 +50,7 @@ def built() -> Iterator[tuple[str, Level]]:
 
 
 def with_proof(level: Level, path: Path) -> Level:
-    """The level with the solution that its file records, or tagged `unsolved`."""
+    """Return the level with the solution that its file records, or tagged `unsolved`."""
     old = load_level(path) if path.exists() else None
     if old and old.solution and level_hash(old) == level_hash(level):
         return level.replace(solution=old.solution)

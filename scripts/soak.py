@@ -180,7 +180,7 @@ def held() -> dict[str, int]:
 
 
 def growth(points: list[tuple[float, float]]) -> float:
-    """The least-squares line's growth from the first point to the last."""
+    """Return the least-squares line's growth from the first point to the last."""
     if len(points) < 3:
         return 0.0
     slope = statistics.linear_regression(*zip(*points, strict=True)).slope

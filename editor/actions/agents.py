@@ -144,7 +144,7 @@ def _use(session: Session, summary: AgentSummary, slot: SlotName) -> str:
 
 
 def _level(session: Session) -> Level:
-    """The level in front: the one that is played, or edited."""
+    """Return the level in front: the one that is played, or edited."""
     level = session.playback.level if session.playback.active else session.document.level
     assert level is not None
     return level
@@ -179,7 +179,7 @@ def clear_slot(session: Session, slot: SlotName) -> None:
 
 
 def choose(slot: SlotName) -> Callable[[Session], None]:
-    """An action that asks which agent to put into a slot."""
+    """Return an action that asks which agent to put into a slot."""
 
     def run(session: Session) -> None:
         def answer(choice: str | None) -> None:
@@ -348,7 +348,7 @@ def action_now(session: Session) -> Action | None:
 
 
 def compare(kind: Compare) -> Callable[[Session], None]:
-    """An action that chooses how two players are shown."""
+    """Return an action that chooses how two players are shown."""
 
     def run(session: Session) -> None:
         viewer = session.viewer

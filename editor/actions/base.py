@@ -28,7 +28,7 @@ def context_of(session: Session) -> Context:
 
 
 def contexts(session: Session) -> tuple[Context, ...]:
-    """The contexts whose actions count now, the narrowest first."""
+    """Return the contexts whose actions count now, the narrowest first."""
     here = context_of(session)
     return (here, *((Context.LEVEL,) if here is not Context.GALLERY else ()), Context.GLOBAL)
 

@@ -101,7 +101,7 @@ def known_by(session: Session, digest: str, card_digest: str) -> AgentSummary | 
 
 
 def _level(session: Session, name: str, sha256: str) -> str | Level:
-    """The level that a stored name means: a file with that content, else the name alone."""
+    """Return the level that a stored name means: a file with that content, else the name alone."""
     if session.document.hash == sha256:
         return session.document.level
     try:

@@ -17,7 +17,7 @@ _DESCRIPTION = "agent.json"
 
 
 def compatible_agents(session: Session, level: Level) -> tuple[str, ...]:
-    """Names of the agents that can play a level: the app's own, recent and loaded ones."""
+    """Return names of the agents that can play a level: the app's own, recent and loaded ones."""
     found = []
     for path, label in known_agents(session):
         card = None if path in BUILT_IN else _card_of(Path(path))
@@ -31,7 +31,7 @@ def compatible_agents(session: Session, level: Level) -> tuple[str, ...]:
 
 
 def agents_stamp() -> int:
-    """A number that changes when an agent of the user's own comes, goes or is renamed."""
+    """Return a number that changes when an agent of the user's own comes, goes or is renamed."""
     try:
         return user_agents_dir().stat().st_mtime_ns
     except OSError:

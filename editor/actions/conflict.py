@@ -71,7 +71,7 @@ def ask(
 
 
 def _theirs(path: Path) -> tuple[Level | None, str]:
-    """The level in the file, and a sentence about it."""
+    """Return the level in the file, and a sentence about it."""
     try:
         return load_level(path), ""
     except LevelError as error:

@@ -63,7 +63,7 @@ _ELSEWHERE: Final = {
 
 
 def chords(session: Session, action: Action) -> tuple[str, ...]:
-    """The chords of an action, rebound ones included."""
+    """Return the chords of an action, rebound ones included."""
     return tuple(session.settings.keys.get(action.id, action.keys))
 
 

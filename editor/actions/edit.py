@@ -270,7 +270,7 @@ def show_all(session: Session) -> None:
 
 
 def mirror(axis: Literal["x", "y"]) -> Callable[[Session], None]:
-    """An action that mirrors the selection."""
+    """Return an action that mirrors the selection."""
 
     def run(session: Session) -> None:
         session.execute(Mirror(ids=_unlocked(session), axis=axis))
@@ -279,7 +279,7 @@ def mirror(axis: Literal["x", "y"]) -> Callable[[Session], None]:
 
 
 def reorder(step: Literal[1, -1]) -> Callable[[Session], None]:
-    """An action that brings the selection forward or back."""
+    """Return an action that brings the selection forward or back."""
 
     def run(session: Session) -> None:
         session.execute(Reorder(ids=session.selection, step=step))
@@ -288,7 +288,7 @@ def reorder(step: Literal[1, -1]) -> Callable[[Session], None]:
 
 
 def nudge(x: int, y: int) -> Callable[[Session], None]:
-    """An action that moves the selection by one step."""
+    """Return an action that moves the selection by one step."""
 
     def run(session: Session) -> None:
         step = session.settings.nudge_step
@@ -314,7 +314,7 @@ def moving_ids(session: Session) -> Selection:
 
 
 def turn(degrees: float) -> Callable[[Session], None]:
-    """An action that rotates the selected bodies; Shift makes 15° one degree."""
+    """Return an action that rotates the selected bodies; Shift makes 15° one degree."""
 
     def run(session: Session) -> None:
         step = math.copysign(1.0, degrees) if session.hands.modifiers.shift else degrees
@@ -331,7 +331,7 @@ Box = tuple[float, float, float, float]
 
 
 def align(label: str, axis: int, place: Callable[[Box], float]) -> Callable[[Session], None]:
-    """An action that brings one line of every selected piece to that of the group's box.
+    """Return an action that brings one line of every selected piece to that of the group's box.
 
     Args:
         label: What the history calls it.

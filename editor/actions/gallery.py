@@ -141,7 +141,7 @@ def _evaluate(session: Session, paths: tuple[str, ...], source: str) -> None:
 
 
 def move(steps: Callable[[Session], int]) -> Callable[[Session], None]:
-    """An action that goes on by some cards."""
+    """Return an action that goes on by some cards."""
 
     def run(session: Session) -> None:
         gallery = session.gallery

@@ -37,7 +37,7 @@ from kinetix.paths import levels_dir, working_dir
 
 
 def levels_named(session: Session, sources: tuple[str, ...]) -> list[tuple[EvaluatedLevel, str]]:
-    """Levels to evaluate on, with their hashes.
+    """Return levels to evaluate on, with their hashes.
 
     Args:
         session: The app.
@@ -80,7 +80,7 @@ def sources_asked(session: Session) -> tuple[str, ...]:
 
 
 def _name_of(path: Path) -> str:
-    """A bundled level by its name, so that results are called as on the command line."""
+    """Return a bundled level by its name, so that results are called as on the command line."""
     resolved = path.resolve()
     if os.path.isfile(resolved) and resolved.is_relative_to(levels_dir().resolve()):
         return resolved.relative_to(levels_dir().resolve()).with_suffix("").as_posix()

@@ -59,7 +59,7 @@ def train_here(session: Session) -> None:
 
 
 def _free_folder(name: str) -> Path:
-    """A new folder among the user's agents that is called after a level."""
+    """Return a new folder among the user's agents that is called after a level."""
     plain = re.sub(r"[^\w-]+", "_", name).strip("_")[:LONGEST_NAME] or "level"
     number, folder = 1, user_agents_dir() / plain
     while _taken(folder):

@@ -308,7 +308,7 @@ class Evaluation:
         return lines[-1] if lines and "mean_solve_rate" in lines[-1] else None
 
     def results(self, agent: int) -> list[LevelResult]:
-        """An agent's results in the order in which the levels were asked for."""
+        """Return an agent's results in the order in which the levels were asked for."""
         if self.plan is None or self.standing is None:
             return []
         found = (self.result(agent, level.name) for level in self.plan.levels)
@@ -348,7 +348,7 @@ class Evaluation:
         return text_of(suffix, self.contenders(), hashes, __version__)
 
     def json_lines(self) -> str:
-        """The lines that `kinetix eval --json` prints, an agent after the other."""
+        """Return the lines that `kinetix eval --json` prints, an agent after the other."""
         if self.plan is None:
             return ""
         lines = [line for k in range(len(self.plan.agents)) for line in self.lines(k)]

@@ -26,14 +26,14 @@ LOG: Final = "training.log"
 BUSY: Final = (
     "An agent is being trained already: stop it in the Training panel, or wait until it has ended."
 )
-"""Why no other training can begin."""
+"""Refusal while another training runs."""
 
 
 class Process(Protocol):
     """The part of `subprocess.Popen` that is used."""
 
     def poll(self) -> int | None:
-        """The exit status, or None while it runs."""
+        """Return the exit status, or None while it runs."""
         ...
 
     def send_signal(self, sig: int, /) -> None:

@@ -58,5 +58,5 @@ class Journal:
         return True
 
     def since(self, serial: int) -> tuple[str, ...]:
-        """The messages that came, or came again, after a number of `serial`."""
+        """Return the messages that came, or came again, after a number of `serial`."""
         return tuple(entry.text for entry in tuple(self._entries) if entry.serial > serial)

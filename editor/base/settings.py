@@ -176,7 +176,7 @@ class SettingsKeeper:
         self._stored = stored
         self._written = self._tried = dataclasses.asdict(settings)
         self.fault = state_fault(path or settings_path()) if stored else ""
-        """Why the file could not be read; empty where it could, or there was none."""
+        """Error of reading the file; empty if it could be read, or does not exist."""
 
     def save(self, *, again: bool = False) -> None:
         """Write what has changed since it was read or written last.

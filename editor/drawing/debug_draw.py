@@ -323,7 +323,7 @@ class _Pen:
 
 
 def _components(where: Placement) -> list[list[int]]:
-    """The bodies by jointed component, without the arena's."""
+    """Return the bodies by jointed component, without the arena's."""
     level = where.level
     group: dict[BodyReference, int] = {}
     for k, body in enumerate(level.bodies):

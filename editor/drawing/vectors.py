@@ -41,7 +41,7 @@ Pose = tuple[float, float, float]
 
 
 def pack(colour: Rgb, opacity: float = 1.0) -> int:
-    """A colour as draw lists take it."""
+    """Return a colour as draw lists take it."""
     red, green, blue = colour
     return round(opacity * 255) << 24 | blue << 16 | green << 8 | red
 
@@ -93,7 +93,7 @@ class Painter:
     """Of everything that is drawn (ghosts are fainter)."""
 
     def colour(self, rgb: Rgb) -> int:
-        """The colour at the painter's opacity."""
+        """Return the colour at the painter's opacity."""
         return pack(rgb, self.opacity)
 
     def outline_px(self) -> float:
@@ -105,7 +105,7 @@ class Painter:
         return max(self.style.mark_outline * self.camera.scale, self.style.least_outline / 2)
 
     def place(self, pose: Pose, points: Sequence[Point]) -> list[Point]:
-        """Points of a body's frame on the screen [px]."""
+        """Return points of a body's frame on the screen [px]."""
         camera = self.camera
         scale = camera.scale
         c, s = math.cos(pose[2]) * scale, math.sin(pose[2]) * scale
@@ -285,7 +285,7 @@ def _stripes(body: Body, angle: float, period: float, margin: float) -> list[tup
 
 
 def joint_colour(joint: Joint, palette: Palette) -> Rgb:
-    """Colour of a joint's mark: its binding's, or neutral when nothing drives it."""
+    """Return colour of a joint's mark: its binding's, or neutral when nothing drives it."""
     if joint.kind == "fixed" or joint.motor is None or not joint.motor.on:
         return palette.uncontrolled
     return palette.motor_bindings[joint.motor.binding]
@@ -313,7 +313,7 @@ class Placement:
         return self.poses[at] if at is not None else None
 
     def point(self, reference: BodyReference, local: Point) -> Point:
-        """A point of a body's frame in the world [m]."""
+        """Return a point of a body's frame in the world [m]."""
         x, y, angle = self.pose(reference) or (0.0, 0.0, 0.0)
         c, s = math.cos(angle), math.sin(angle)
         return x + c * local[0] - s * local[1], y + s * local[0] + c * local[1]
@@ -334,7 +334,7 @@ class Placement:
         return at is not None and self.level.bodies[at].fixed
 
     def angle(self, reference: BodyReference) -> float:
-        """Angle of a body [rad]."""
+        """Return the angle of a body [rad]."""
         return (self.pose(reference) or (0.0, 0.0, 0.0))[2]
 
 

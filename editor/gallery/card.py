@@ -90,7 +90,7 @@ def fault_card(path: Path, fault: str) -> Card:
 
 
 def make_card(level: Level, path: Path, modified_ns: int, size: int, format: str) -> Card:
-    """The card of a level that was read from a file."""
+    """Return the card of a level that was read from a file."""
     issues = validate(level)
     capacity = capacity_of(level)
     driven = [j for j in level.joints if j.kind == "revolute" and j.motor and j.motor.on]

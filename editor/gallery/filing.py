@@ -33,7 +33,7 @@ _NOTE: Final = ".trashinfo"
 
 
 def stem_of(name: str) -> str:
-    """A file name without suffix for a level's name."""
+    """Return a file name without suffix for a level's name."""
     kept = "".join(c if c.isalnum() or c in "-_ " else "" for c in name).strip()
     return "_".join(kept.lower().split())[:80] or "level"
 
@@ -88,7 +88,7 @@ def rename(path: Path, name: str) -> Path:
 
 
 def duplicate(path: Path) -> Path:
-    """A copy beside the level, or in the user's folder when the level came with the app.
+    """Return a copy beside the level, or in the user's folder when the level came with the app.
 
     Returns:
         The copy's path.
@@ -111,7 +111,7 @@ def duplicate(path: Path) -> Path:
 
 
 def copy_into(path: Path, folder: Path) -> Path:
-    """A copy of a level file in another folder, which is made where it is not there.
+    """Return a copy of a level file in another folder, which is made where it is not there.
 
     Returns:
         The copy's path: with a number when something of this name is there already.
@@ -242,7 +242,7 @@ def _reason(error: OSError) -> str:
 
 
 def _trash() -> tuple[Path, Path | None]:
-    """The folder of thrown files, and that of their notes."""
+    """Return the folder of thrown files, and that of their notes."""
     if sys.platform == "darwin":
         return Path.home() / ".Trash", None
     if os.name != "posix":

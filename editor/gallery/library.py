@@ -96,7 +96,7 @@ class Library:
             self._condition.notify()
 
     def card(self, path: str) -> Card | None:
-        """The card of a file, or None where none was found."""
+        """Return the card of a file, or None where none was found."""
         if self._listed is not self.cards:
             self._listed, self._by_path = self.cards, {card.path: card for card in self.cards}
         return self._by_path.get(path)

@@ -87,7 +87,7 @@ class Results(Kept):
         return tuple(sorted({t.player for records in self._read().values() for t in records}))
 
     def of(self, sha256: str) -> dict[Trial, Record]:
-        """The records of a level, by trial."""
+        """Return the records of a level, by trial."""
         return self._read().get(sha256, {})
 
     def take_fault(self) -> str:

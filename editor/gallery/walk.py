@@ -59,7 +59,7 @@ class Walk:
                 count += 1
 
     def _shown(self, names: Iterable[str]) -> list[str]:
-        """The names that can be shown, sorted; whether some are no text is noted."""
+        """Return the names that can be shown, sorted; whether some are no text is noted."""
         seen = [name for name in names if not name.startswith(".")]
         shown = sorted(filter(is_text, seen))
         self._unnamed |= len(shown) < len(seen)

@@ -85,7 +85,7 @@ class Host(abc.ABC):
 
     @abc.abstractmethod
     def _make_renderer(self) -> Renderer:
-        """The renderer for the current context."""
+        """Return the renderer for the current context."""
 
     def step(self, batch: Sequence[events.InputEvent], dt: float) -> None:
         """Run one frame.

@@ -84,7 +84,7 @@ def _words(buffer: Any, per_item: int) -> UInt32[np.ndarray, " n"]:
 
 
 def union(rects: Sequence[Rect]) -> Rect:
-    """The smallest rectangle around some; an empty one around none."""
+    """Return the smallest rectangle around some; an empty one around none."""
     if not rects:
         return (0.0, 0.0, 0.0, 0.0)
     lows = (min(r[0] for r in rects), min(r[1] for r in rects))
@@ -168,7 +168,7 @@ def _agreement(a: np.ndarray, b: np.ndarray) -> int:
 
 
 def _used(one: DrawnList, command: Command) -> np.ndarray:
-    """The vertices of a command."""
+    """Return the vertices of a command."""
     _, _, count, first, offset = command
     return one.vertices[one.indices[first : first + count].astype(np.int64) + offset]
 

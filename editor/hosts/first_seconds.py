@@ -64,7 +64,7 @@ def main() -> None:
     last = time.perf_counter()
 
     def frame() -> float:
-        """A frame at its time; its wall time, the sleep left out."""
+        """Return a frame at its time; its wall time, the sleep left out."""
         nonlocal last
         begin = time.perf_counter()
         host.step((), begin - last)
@@ -121,7 +121,7 @@ def _written() -> bool:
 
 
 def measure(level: str = "l/rover_ridge") -> tuple[FirstSeconds, FirstSeconds]:
-    """The first day, with an empty cache, and the second."""
+    """Return the first day, with an empty cache, and the second."""
     with tempfile.TemporaryDirectory() as cache:
         variables = {"TF_CPP_MIN_LOG_LEVEL": "3", **os.environ, "XDG_CACHE_HOME": cache}
         variables.pop("JAX_COMPILATION_CACHE_DIR", None)

@@ -160,7 +160,7 @@ def finish() -> None:
 
 
 def read_pixels(width: int, height: int) -> np.ndarray:
-    """The framebuffer as it is now.
+    """Return the framebuffer as it is now.
 
     Args:
         width: Width of the framebuffer [px].
@@ -179,7 +179,7 @@ def read_pixels(width: int, height: int) -> np.ndarray:
 
 
 def create_texture() -> int:
-    """A new, empty texture with linear filtering.
+    """Return a new, empty texture with linear filtering.
 
     Returns:
         Its OpenGL name.

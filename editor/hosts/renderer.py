@@ -120,7 +120,7 @@ class GlRenderer:
         self._window = Window.UNSEEN
 
     def _canvas_of(self, width: int, height: int) -> gl.Canvas | None:
-        """The picture that lasts, as large as the window; None where there can be none."""
+        """Return the picture that lasts, as large as the window; None where there can be none."""
         if not self._keeps or (self._canvas is not None and self._canvas.size == (width, height)):
             return self._canvas
         if self._canvas is not None:

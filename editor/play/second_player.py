@@ -169,7 +169,7 @@ class Follower:
         return self.snapshots[0].frame_skip if self.snapshots else FRAME_SKIP
 
     def shown(self, engine_step: int) -> Snapshot | None:
-        """The moment that belongs to an engine step; the last one where it has ended before.
+        """Return the moment that belongs to an engine step; the last one where it has ended before.
 
         Where it goes on by itself after the first one's end, that is added.
         """

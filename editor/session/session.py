@@ -232,7 +232,7 @@ class Session:
         return math.radians(self.settings.angle_step_deg)
 
     def rules(self, modifiers: Modifiers = NO_MODIFIERS) -> Rules:
-        """Active snaps; Ctrl inverts them."""
+        """Return active snaps; Ctrl inverts them."""
         smart = self.settings.snap_smart != modifiers.ctrl
         grid = self.settings.snap_grid != modifiers.ctrl
         return Rules(

@@ -117,7 +117,7 @@ def _closes_overlay(session: "Session") -> bool:
 
 
 def _navigation(session: "Session", *, popup: bool, closed: bool, in_panel: bool) -> frozenset[str]:
-    """Keys that move between the fields of a panel now, so that they are not the app's.
+    """Return keys that move between the fields of a panel now, so that they are not the app's.
 
     The arrows nudge and drive, so they must not start Dear ImGui's navigation: it is only on
     while a pop-up is open, on the way from one menu of the bar to the next, or while the keyboard

@@ -189,6 +189,6 @@ class Preparation:
 
 
 def _sized(size: str, physics: str, title: str, *, goes_on: bool) -> _Task:
-    """The step that all levels of a size share."""
+    """Return the step that all levels of a size share."""
     request = WarmUp(sizes=(size,), physics=physics)
     return _Task(key=(size, physics), request=request, title=title, goes_on=goes_on)

@@ -200,7 +200,7 @@ class Trace:
     """True if it was read from a file: then it can be looked at, and not be played on from."""
 
     def part(self, first: int, last: int) -> "Trace":
-        """Moments `first` to `last`, both included."""
+        """Return moments `first` to `last`, both included."""
         return dataclasses.replace(
             self,
             snapshots=self.snapshots[first : last + 1],
@@ -208,7 +208,7 @@ class Trace:
         )
 
     def arrays(self) -> dict[str, np.ndarray]:
-        """The trace as arrays with time first, as an `.npz` file holds it."""
+        """Return the trace as arrays with time first, as an `.npz` file holds it."""
         stack = {
             name: np.stack([getattr(s, name) for s in self.snapshots])
             for name in ("position", "angle", "velocity", "angular_velocity", "motor", "thruster")
@@ -253,7 +253,7 @@ def _rows(rows: Sequence[tuple[float, ...]], width: int) -> Float[np.ndarray, "n
 
 
 def channels_of(unified: Sequence[float]) -> Action:
-    """The multi-discrete action nearest to a unified one.
+    """Return the multi-discrete action nearest to a unified one.
 
     Args:
         unified: −1 … 1 per motor binding, 0 … 1 per thruster binding; the last two are thrusters'.

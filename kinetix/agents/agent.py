@@ -133,7 +133,7 @@ class Agent:
         return self.card.environment.frame_skip
 
     def init_carry(self, batch: int) -> Carry:
-        """Memory at the start of episodes.
+        """Return the memory at the start of episodes.
 
         Args:
             batch: How many episodes.
@@ -184,7 +184,7 @@ class Agent:
         return action, carry, {name: info[name] for name in _TOLD}
 
     def decide(self, *arguments: Any, deterministic: bool = False) -> Decision:
-        """The policy's own `decide`; see `player.Policy`."""
+        """Return the policy's own `decide`; see `player.Policy`."""
         return self.policy.decide(*arguments, deterministic=deterministic)
 
 

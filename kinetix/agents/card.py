@@ -114,7 +114,7 @@ class AgentCard(_Part, frozen=True, kw_only=True):
     """Solve rates and the like."""
 
     def replace(self, **changes: Any) -> "AgentCard":
-        """A copy with some fields changed."""
+        """Return a copy with some fields changed."""
         return msgspec.structs.replace(self, **changes)
 
     @property
@@ -205,7 +205,7 @@ def read_card(path: Path) -> tuple[AgentCard, Inventory]:
 
 
 def read_json_object(path: Path) -> dict[str, Any]:
-    """A JSON file whose top level is an object.
+    """Return a JSON file whose top level is an object.
 
     Args:
         path: The file.

@@ -146,7 +146,7 @@ def _check_normalisation(path: Path, card: AgentCard) -> None:
 
 
 def steps_of_run(run: Path) -> list[int]:
-    """Steps of the complete checkpoints of a training run, ascending.
+    """Return steps of the complete checkpoints of a training run, ascending.
 
     Args:
         run: The run's directory.
@@ -162,7 +162,7 @@ def steps_of_run(run: Path) -> list[int]:
 
 
 def newest_checkpoint(directory: Path) -> Path:
-    """The checkpoint that a directory means: itself, or the newest of a training run.
+    """Return the checkpoint that a directory means: itself, or the newest of a training run.
 
     Args:
         directory: A checkpoint or a run.

@@ -100,7 +100,7 @@ def _csv(contenders: Sequence[Contender], hashes: dict[str, str]) -> str:
 
 
 def _page(contenders: Sequence[Contender], hashes: dict[str, str], version: str) -> str:
-    """A heat map of levels and policies, the leaderboard, the differences, in one file."""
+    """Return a heat map of levels and policies, the leaderboard, the differences, in one file."""
     shown = html.escape
     board = leaderboard(contenders)
     by_label = {contender.label: contender for contender in contenders}

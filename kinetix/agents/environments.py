@@ -21,7 +21,7 @@ from kinetix.wording import plural
 def environment_for(
     player: Player, capacity: Capacity, *, physics: str, auto_reset: bool = False
 ) -> KinetixEnv:
-    """The environment that a player expects: its bindings, frame skip, step and observation.
+    """Return the environment that a player expects: its bindings, frame skip, step and observation.
 
     Args:
         player: Who will play.
@@ -61,7 +61,7 @@ def environment_for(
 
 
 def capacity_for(card: AgentCard, capacity: Capacity, *, level: str) -> Capacity:
-    """The sizes at which an agent plays a level: the level's, or the agent's only ones.
+    """Return the sizes at which an agent plays a level: the level's, or the agent's only ones.
 
     Args:
         card: The agent.

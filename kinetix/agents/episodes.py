@@ -134,7 +134,7 @@ def advance(
     *,
     deterministic: bool = False,
 ) -> Episodes:
-    """Some environment steps of every episode; those that are over count no more.
+    """Return some environment steps of every episode; those that are over count no more.
 
     Args:
         env: The environment.
@@ -190,7 +190,7 @@ def _step(
 
 
 def episode_keys(levels: Sequence[int], attempts: Sequence[int], seed: int) -> Array:
-    """A key for every episode, from the level's content, the attempt and the seed alone.
+    """Return a key for every episode, from the level's content, the attempt and the seed alone.
 
     The action of step t (from 0) is drawn with `fold_in(key, t)`.
 

@@ -337,7 +337,7 @@ def capacity_and_key(source: str | Level | LoadedLevel | EnvState) -> tuple[Capa
 def _prepare_all(
     player: Player, levels: Sequence[NamedLevel]
 ) -> tuple[dict[int, Prepared], tuple[LevelFailure, ...]]:
-    """The levels that can be played, by index, and why the others cannot."""
+    """Return the levels that can be played, by index, and why the others cannot."""
     prepared, failures = {}, []
     for index, level in enumerate(levels):
         try:

@@ -193,7 +193,7 @@ def _of_picture(
 
 
 def _reach(state: EnvState) -> Float[Array, " b"]:
-    """Radius of the disc around each body [m]."""
+    """Return the radius of the disc around each body [m]."""
     bodies = state.world.bodies
     corners = jnp.linalg.norm(bodies.vertices, axis=-1)
     exists = jnp.arange(corners.shape[-1]) < bodies.vertex_count[:, None]

@@ -199,7 +199,7 @@ def _network(path: Path, model: Mapping[str, Any], observation: str) -> NetworkC
 def _capacity_from_tensors(
     path: Path, observation: str, shapes: Mapping[str, tuple[int, ...]]
 ) -> CapacityCard | None:
-    """The named size whose flat observation has the width that the first layer reads."""
+    """Return the named size whose flat observation has the width that the first layer reads."""
     names = {
         "symbolic_flat": "params/Dense_0/kernel",
         "symbolic_flat_padded": "params/MultiHeadDense_0/dense_kernels",

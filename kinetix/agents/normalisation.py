@@ -29,7 +29,7 @@ class Normalisation:
 
 
 def fields_of(observation: Any) -> dict[str, Array]:
-    """The parts of an observation that are real numbers, by field.
+    """Return the parts of an observation that are real numbers, by field.
 
     Args:
         observation: A named tuple, or one array.
@@ -123,7 +123,7 @@ def normalise(statistics: Normalisation | None, observation: Any) -> Any:
 
 
 def to_card(statistics: Normalisation | None) -> NormalisationCard | None:
-    """The statistics as plain numbers."""
+    """Return the statistics as plain numbers."""
     if statistics is None:
         return None
     as_lists: Any = jax.tree.map(lambda x: np.asarray(x).tolist(), statistics)

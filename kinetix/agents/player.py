@@ -33,7 +33,7 @@ class Policy(Protocol):
         ...
 
     def init_carry(self, batch: int) -> Any:
-        """Memory at the start of `batch` episodes."""
+        """Return the memory at the start of `batch` episodes."""
         ...
 
     def decide(

@@ -44,7 +44,7 @@ class LevelResult:
 
     @classmethod
     def of(cls, level: str, episodes: Sequence[EpisodeResult]) -> "LevelResult":
-        """The result of some attempts.
+        """Return the result of some attempts.
 
         Args:
             level: What the level is called.
@@ -82,7 +82,7 @@ class LevelResult:
         return wilson(self.solved, self.attempts)
 
     def as_dict(self) -> dict[str, Any]:
-        """The line that `kinetix eval --json` prints."""
+        """Return the line that `kinetix eval --json` prints."""
         low, high = self.bounds
         dropped = self.dropped_contacts
         return {
@@ -217,7 +217,7 @@ def rates_of_parts(results: Sequence[LevelResult], parts: Mapping[str, str]) -> 
 
 
 def groups_of(name: str) -> tuple[str, ...]:
-    """The metric groups of a level: by folder, and by folder and first word of its name.
+    """Return the metric groups of a level: by folder, and by folder and first word of its name.
 
     Args:
         name: `folder/word_rest`; digits in the word do not count, `h` and `r` mean handmade and

@@ -85,5 +85,5 @@ class ScriptedPlayer:
         return self.policy.init_carry(batch)
 
     def decide(self, *arguments: Any, deterministic: bool = False) -> Decision:
-        """The policy's own `decide`; see `player.Policy`."""
+        """Return the policy's own `decide`; see `player.Policy`."""
         return self.policy.decide(*arguments, deterministic=deterministic)

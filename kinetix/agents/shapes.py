@@ -64,7 +64,7 @@ def observations_of_card(
 
 
 def zero_observation(observations: AbstractObservation, *axes: int) -> Any:
-    """An observation of nothing: zeros of the right shapes.
+    """Return an observation of nothing: zeros of the right shapes.
 
     Args:
         observations: The kind of observation.
@@ -80,7 +80,7 @@ def zero_observation(observations: AbstractObservation, *axes: int) -> Any:
 
 
 def network_of_card(card: AgentCard) -> nn.Module:
-    """The network that an agent's description asks for.
+    """Return the network that an agent's description asks for.
 
     Args:
         card: The agent's description.
@@ -95,7 +95,7 @@ def network_of_card(card: AgentCard) -> nn.Module:
 
 
 def init_parameters(card: AgentCard, key: jax.Array) -> dict[str, Any]:
-    """Fresh parameters for an agent.
+    """Return fresh parameters for an agent.
 
     Args:
         card: Its description.

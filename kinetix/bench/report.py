@@ -43,7 +43,7 @@ def verdict_counts(rows: Iterable[Row]) -> dict[str, int]:
 
 
 def value_text(value: float | None, unit: str) -> str:
-    """A value with its unit, in three digits."""
+    """Return a value with its unit, in three digits."""
     if value is None:
         return "failed"
     return f"{value:.3g}" if unit == "1" else f"{value:.3g} {unit}"
@@ -68,7 +68,7 @@ def summary_text(rows: Sequence[Row]) -> str:
 
 
 def markdown_table(results: Mapping[str, Sequence[Row]]) -> str:
-    """A line a scene and a column a physics: its worst value and verdict.
+    """Return a line a scene and a column a physics: its worst value and verdict.
 
     Args:
         results: Rows by the name of the physics.

@@ -126,7 +126,7 @@ def measure_speed(settings: SpeedSettings) -> Iterator[dict[str, Any]]:
 
 
 def level_files(folder: Path, capacity: Capacity) -> list[Path]:
-    """The levels below a folder that have a capacity, level sets left out."""
+    """Return the levels below a folder that have a capacity, level sets left out."""
     found = []
     for file in sorted(folder.rglob("*.json")):
         if file.parent.name == "sets":
@@ -141,7 +141,7 @@ def level_files(folder: Path, capacity: Capacity) -> list[Path]:
 def _rates(
     files: Sequence[Path], size: str, batch: int, settings: SpeedSettings
 ) -> tuple[_Rate, _Rate]:
-    """The bare engine's rate and the environment's, of steps that are compiled once."""
+    """Return the bare engine's rate and the environment's, of steps that are compiled once."""
     static = static_env_params_of(
         parse_capacity(size), physics=settings.physics, frame_skip=1, features=Features()
     )
@@ -209,7 +209,7 @@ def _env_loop(static: StaticEnvParams, observation: str) -> Callable[..., Any]:
 
 
 def _draw(actions: Any, key: Array) -> Array:
-    """Some random actions, so that drawing them is not what is timed."""
+    """Return some random actions, so that drawing them is not what is timed."""
     return jax.vmap(actions.random_action)(jax.random.split(key, PROBE_STEPS))
 
 

@@ -141,7 +141,7 @@ def _kinetic_energy(world: World, state: State) -> Array:
 
 
 def _joint_gap(world: World, position: np.ndarray, rotation: np.ndarray) -> np.ndarray:
-    """Largest gap of any joint at any frame, per world [m]."""
+    """Return the largest gap of any joint at any frame, per world [m]."""
     joints = world.joints
     rows = np.arange(position.shape[1])[:, None]
 

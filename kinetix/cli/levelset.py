@@ -122,7 +122,7 @@ def _build(command: Build) -> int:
 
 
 def _name_after(path: Path) -> str:
-    """The name of a set after its file's, as far as a name may go."""
+    """Return the name of a set after its file's, as far as a name may go."""
     return path.stem.encode(errors="replace").decode()[:LONGEST_NAME]
 
 
@@ -189,7 +189,7 @@ class Verdict:
     records: bool = True
     """True if its file can record a solution: those of kinetix-env cannot."""
     unplayed: str = ""
-    """Why it could not be played; empty where it was, or has an error."""
+    """Reason why it could not be played; empty if it was, or has an error."""
 
     @property
     def problems(self) -> list[str]:

@@ -79,7 +79,7 @@ class Moment:
     outcome: str
     """See `kinetix.environment.outcome.Outcome`; empty while the episode goes on."""
     value: float | None = None
-    """Return that the player expected before this step, where it has a network."""
+    """Expected return before this step, if the player has a network."""
     entropy: float | None = None
     """Of its policy over the level's controls then [nat]."""
     controls: tuple[int, ...] = ()
@@ -242,7 +242,7 @@ def _played(
 
 
 def _film_of(command: Render, agent: str) -> "Film":
-    """An episode for a page."""
+    """Return an episode for a page."""
     import numpy as np
 
     from kinetix.pages.film import Film

@@ -148,7 +148,7 @@ def run(command: Common) -> int:
 
 
 def _teachers(command: Common, runs: Iterable[Path], terminal: Terminal) -> dict[Path, Any]:
-    """The agent to start from, of every run that is at its beginning.
+    """Return the agent to start from, of every run that is at its beginning.
 
     It wakes JAX: the number of devices has to be settled before.
     """
@@ -164,7 +164,7 @@ def _teachers(command: Common, runs: Iterable[Path], terminal: Terminal) -> dict
 
 
 def _values(command: Common) -> dict[str, Any]:
-    """The hyper-parameters that flags name."""
+    """Return the hyper-parameters that flags name."""
     own = {field.name for field in dataclasses.fields(Common)}
     for name in SOURCES:
         if getattr(command, name, None) == ():
@@ -181,7 +181,7 @@ def _values(command: Common) -> dict[str, Any]:
 def _runs(
     algorithm: str, command: Common, values: dict[str, Any], sweep: list[SweepRun] | None
 ) -> dict[Path, dict[str, Any]]:
-    """The directory of every run, and its hyper-parameters.
+    """Return the directory of every run, and its hyper-parameters.
 
     Raises:
         KinetixError: Several runs share an option that is for one run only.
@@ -208,7 +208,7 @@ def _runs(
 
 
 def _configured(algorithm: str, command: Common, values: dict[str, Any], out: Path) -> Any:
-    """The configuration of one run.
+    """Return the configuration of one run.
 
     Raises:
         KinetixError: The configuration is wrong; in a sweep the message begins with the run.
@@ -224,7 +224,7 @@ def _configured(algorithm: str, command: Common, values: dict[str, Any], out: Pa
 
 
 def _default_preset(command: Common, out: Path) -> str | None:
-    """The small preset for a new run where nothing is chosen."""
+    """Return the small preset for a new run where nothing is chosen."""
     chosen = command.preset or command.config or os.path.isfile(out / CONFIG)
     return None if chosen else _SMALL
 
@@ -283,7 +283,7 @@ def _room(setup: Any) -> str:
 
 
 def _line(report: Any) -> str:
-    """A report for people; returns and solve rates are those of many episodes."""
+    """Return a report for people; returns and solve rates are those of many episodes."""
     metrics, rate = report.metrics, report.steps_per_second
     parts = [
         f"{report.update}/{report.updates}",
@@ -316,7 +316,7 @@ def _learnt(metrics: Mapping[str, float]) -> list[str]:
 
 
 def _mean(value: float | None) -> str:
-    """A mean over the episodes that ended; a dash where none did."""
+    """Return a mean over the episodes that ended; a dash where none did."""
     return "–" if value is None or math.isnan(value) else f"{value:.3f}"
 
 

@@ -77,7 +77,7 @@ def named_files(files: tuple[str, ...]) -> Iterator[str]:
 
 
 def file_report(file: str) -> FileReport:
-    """The problems of one file, those of reading it included."""
+    """Return the problems of one file, those of reading it included."""
     try:
         if os.path.isdir(file):
             raise LevelError(f"{file}: expected level files in this folder, found none")
@@ -136,7 +136,7 @@ def reading_issues(error: LevelError) -> Iterator[Issue]:
 
 
 def issue_tree(issue: Issue) -> dict[str, Any]:
-    """An issue as commands print it in JSON."""
+    """Return an issue as commands print it in JSON."""
     return {
         "code": issue.code,
         "severity": issue.severity,

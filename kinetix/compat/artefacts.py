@@ -126,7 +126,7 @@ def save_model(
 
 
 def _folder(name: str, target: str | None) -> Path:
-    """The folder or file of a checkpoint; what is not on this machine is downloaded."""
+    """Return the folder or file of a checkpoint; what is not on this machine is downloaded."""
     if os.path.exists(Path(name)):
         return Path(name)
     return Path(wandb_package().Api().artifact(name).download(root=target))

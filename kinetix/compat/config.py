@@ -137,7 +137,7 @@ def get_tags(config: Mapping[str, Any], name: str) -> list[str]:
 
 
 def _flat(config: Mapping[str, Any]) -> dict[str, Any]:
-    """The options of all sections side by side; the two records stay dictionaries."""
+    """Return the options of all sections side by side; the two records stay dictionaries."""
     flat: dict[str, Any] = {}
     for key, value in config.items():
         name = str(key).lower()

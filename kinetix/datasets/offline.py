@@ -276,7 +276,7 @@ def _episode(rows: dict[str, np.ndarray], name: str, origin: _Origin) -> Recorde
 
 
 def _level(first: dict[str, np.ndarray], name: str) -> Level:
-    """The level that a first state is of."""
+    """Return the level that a first state is of."""
     groups = {group: _rows(first, group) for group in _GROUPS}
     for group, key in (("polygon", "polygon"), ("circle", "circle")):
         roles, densities = first[f"{PREFIX}{key}_shape_roles"], first[f"{PREFIX}{key}_densities"]

@@ -173,7 +173,7 @@ def _places(source: str) -> _Places:
 
 
 def _datasets(path: Path) -> tuple[list[Path], dict[Path, str]]:
-    """The data sets below a folder, and what is wrong with others, by their folders."""
+    """Return the data sets below a folder, and what is wrong with others, by their folders."""
     datasets, unlike = [], {}
     for file in sorted(path.rglob(MANIFEST)):
         try:

@@ -50,7 +50,7 @@ def dot(a: Vec, b: Vec) -> Float[Array, "..."]:
 
 
 def cross(a: Vec, b: Vec) -> Float[Array, "..."]:
-    """The out-of-plane component of a × b: a_x b_y − a_y b_x."""
+    """Return the out-of-plane component of a × b: a_x b_y − a_y b_x."""
     return a.x * b.y - a.y * b.x
 
 
@@ -75,5 +75,5 @@ def where(condition: Shaped[Array, "..."], a: Vec, b: Vec) -> Vec:
 
 
 def nonzero(x: Float[Array, "..."]) -> Float[Array, "..."]:
-    """The same, with exact zeros replaced by 1, for use as a denominator."""
+    """Return the same, with exact zeros replaced by 1, for use as a denominator."""
     return jnp.where(x == 0, 1, x)

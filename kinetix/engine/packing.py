@@ -14,7 +14,7 @@ LARGE: Final = 200
 
 
 def pack(tree: Tree) -> dict[str, Shaped[Array, "n _"]]:
-    """All small arrays of a kind in one, worlds first: one to move instead of dozens."""
+    """Return all small arrays of a kind in one, worlds first: one to move instead of dozens."""
     groups: dict[str, list[Array]] = {}
     for number, leaf in enumerate(jax.tree.leaves(tree)):
         # Moving truth values takes several times as long as moving numbers.

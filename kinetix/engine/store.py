@@ -31,7 +31,7 @@ class Store:
         return Store(always=~(values.ravel()[0] > 1e30))
 
     def __call__(self, tree: T) -> T:
-        """The same values, computed exactly once."""
+        """Return the same values, computed exactly once."""
         if takes_whole_batches():
             return tree
         return jax.lax.cond(self.always, lambda x: x, _other, tree)

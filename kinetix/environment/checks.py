@@ -346,7 +346,7 @@ def refuse_what_is_no_array(name: str, arguments: Any) -> None:
 
 
 def fitted(state: EnvState, engine: PhysicsEngine) -> EnvState:
-    """A state as the environment can step it: dtypes settled, the solver's memory its own.
+    """Return a state as the environment can step it: dtypes settled, the solver's memory its own.
 
     A state that was made for another solver keeps its bodies; its memory of contacts starts empty.
 

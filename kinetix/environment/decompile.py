@@ -17,7 +17,7 @@ from kinetix.level.model import InertiaModel, Level
 
 
 def level_of(state: EnvState, name: str = "Untitled") -> Level:
-    """A state as a level, which can be saved, shown and opened in the editor.
+    """Return a state as a level, which can be saved, shown and opened in the editor.
 
     Where the bodies are and how they move becomes the start; `level_state` makes the same state of
     it, but for empty slots, and joints and thrusters of bodies that were switched off. A random
@@ -44,7 +44,7 @@ def level_of(state: EnvState, name: str = "Untitled") -> Level:
 
 
 def scene_of(state: EnvState, max_timesteps: float | None = None) -> Scene:
-    """A state's arrays, with a time limit.
+    """Return a state's arrays, with a time limit.
 
     Args:
         state: One state.

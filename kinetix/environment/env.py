@@ -46,7 +46,7 @@ ResetFunction = Callable[[Array], EnvState]
 
 
 def _settled(state: EnvState) -> EnvState:
-    """The state with strong dtypes, so that steps can be scanned."""
+    """Return the state with strong dtypes, so that steps can be scanned."""
     return jax.tree.map(lambda x: jax.lax.convert_element_type(x, jnp.asarray(x).dtype), state)
 
 
@@ -122,7 +122,7 @@ class KinetixEnv(MethodsOfKinetixEnv):
         return space.n if hasattr(space, "n") else space.shape[0]
 
     def action_space(self, env_params: EnvParams | None = None) -> Any:
-        """The set of actions; the argument is there for gymnax's sake."""
+        """Return the set of actions; the argument is there for gymnax's sake."""
         return self.actions.action_space
 
     def observation_space(self, env_params: EnvParams | None = None) -> Space:
@@ -206,7 +206,7 @@ class KinetixEnv(MethodsOfKinetixEnv):
 
     @quick_alone
     def get_obs(self, state: EnvState) -> Any:
-        """The observation of a state.
+        """Return the observation of a state.
 
         Raises:
             KinetixError: `state` is not a state, is a batch of them, or has other sizes.
@@ -234,7 +234,7 @@ class KinetixEnv(MethodsOfKinetixEnv):
         return self._fitted(self._require_reset_fn()(key) if override is None else override)
 
     def _first_step(self, seeds: tuple[Array, EnvState | None]) -> tuple[EnvState, Any]:
-        """State and observation at the start of an episode."""
+        """Return the state and observation at the start of an episode."""
         state = self._start(*seeds)
         return state, self._observe(state)
 
@@ -303,7 +303,7 @@ def make_kinetix_env(  # noqa: PLR0913 (the public signature)
 
 
 def _kind(value: Any, base: type, argument: str, names: Any, table: dict[str, Any]) -> Any:
-    """The class that a value means: itself, or one from the table by its name."""
+    """Return the class that a value means: itself, or one from the table by its name."""
     if isinstance(value, type) and issubclass(value, base):
         return value
     name = value if isinstance(value, type) else getattr(value, "value", value)

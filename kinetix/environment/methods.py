@@ -21,7 +21,7 @@ REPLACEABLE = frozenset({"reset", "step", "render"})
 """Methods that wrappers of others replace on one environment, by assignment."""
 
 _PIXELS: Final = "kinetix.make_render_pixels(env.env_params, env.static_env_params)"
-"""What draws batches, and within `jax.jit`, for error messages."""
+"""Batched call, and the one within `jax.jit`, for error messages."""
 
 
 class ResetsByName:

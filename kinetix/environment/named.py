@@ -102,13 +102,13 @@ def make_named_env(
 
 
 def _has_several(name: str | Path) -> bool:
-    """Whether this is a folder or a level set, not a level."""
+    """Return whether this is a folder or a level set, not a level."""
     place = place_of(name)
     return os.path.isdir(place) or is_set_file(place)
 
 
 def _all_of(levels: Levels) -> list[SetLevel]:
-    """The levels, one by one.
+    """Return the levels, one by one.
 
     Raises:
         KinetixError: `levels` is empty, or has something that is not a level.

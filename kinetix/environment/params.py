@@ -73,7 +73,7 @@ class EnvParams:
 
     @property
     def max_steps_in_episode(self) -> int:
-        """What gymnax calls `max_timesteps`."""
+        """The time limit, by gymnax's name `max_timesteps`."""
         return self.max_timesteps
 
 
@@ -174,7 +174,7 @@ class PhysicsEngine:
 
 
 def engine_parameters(env_params: EnvParams) -> Parameters:
-    """The engine's share of `EnvParams`, under the engine's names."""
+    """Return the engine's share of `EnvParams`, under the engine's names."""
     values: dict[str, Any] = {
         "dt": env_params.dt,
         "base_friction": env_params.base_friction,
@@ -251,7 +251,7 @@ def static_env_params_from_size(size: str, return_dict: bool = False, **changes:
 
 
 def with_parity(static_env_params: StaticEnvParams, parity: Parity | None) -> StaticEnvParams:
-    """The same sizes under the physics of kinetix-env when parity is asked for.
+    """Return the same sizes under the physics of kinetix-env when parity is asked for.
 
     Raises:
         KinetixError: For any other value than `"kinetix-3"` and None.

@@ -107,7 +107,7 @@ def load_from_json_file(
     physics: str | None = None,
     parity: Parity | None = None,
 ) -> tuple[EnvState, StaticEnvParams, EnvParams]:
-    """A level file, ready for the environment.
+    """Return a level file, ready for the environment.
 
     A file of kinetix-env keeps its slots, gaps and stored inverse masses; a native file is compiled
     without gaps.
@@ -165,7 +165,7 @@ def _loaded(
 
 
 def level_state(level: LevelLike, static_env_params: StaticEnvParams) -> EnvState:
-    """A level in any form as a state of the given sizes.
+    """Return a level in any form as a state of the given sizes.
 
     Args:
         level: A file, a bundled name (with a suffix `.permuteN`, its entities are permuted with
@@ -195,7 +195,7 @@ def _file_of(level: str | Path | LoadedLevel) -> str:
 
 
 def _document_state(level: Level, static_env_params: StaticEnvParams) -> EnvState:
-    """A level that was found computable as a state of the given sizes."""
+    """Return a level that was found computable as a state of the given sizes."""
     engine = physics_engine_of(static_env_params)
     state = state_of(compile_level(level, spec=engine.spec, solver=engine.solver))
     return _fitting(state, static_env_params, f"level {level.name!r}")
@@ -210,7 +210,7 @@ def _fitting(state: EnvState, static_env_params: StaticEnvParams, name: str) -> 
 def make_reset_fn_list_of_levels(
     levels: Sequence[LevelLike] | LevelLike | Any, static_env_params: StaticEnvParams
 ) -> ResetFunction:
-    """A reset function that picks one of some levels.
+    """Return a reset function that picks one of some levels.
 
     Args:
         levels: Files, folders (all levels below them), bundled names of either, documents or states
@@ -237,7 +237,7 @@ def make_reset_fn_list_of_levels(
 def static_env_params_for_levels(
     levels: Sequence[LevelLike] | LevelLike | Any, static_env_params: StaticEnvParams
 ) -> StaticEnvParams:
-    """The same sizes, with only what some levels use: their step computes nothing else.
+    """Return the same sizes, with only what some levels use: their step computes nothing else.
 
     Args:
         levels: In any form that `make_reset_fn_list_of_levels` takes. No others may be played.
@@ -256,7 +256,7 @@ def static_env_params_for_levels(
 def static_env_params_with_level(
     level: LevelLike, static_env_params: StaticEnvParams
 ) -> StaticEnvParams:
-    """The same sizes, for a level too: itself where their step leaves out nothing of it.
+    """Return the same sizes, for a level too: itself where their step leaves out nothing of it.
 
     Args:
         level: In any form.
@@ -280,7 +280,7 @@ def make_reset_fn_sample_kinetix_level(
     ued_params: "UEDParams | None" = None,
     physics_engine: PhysicsEngine | None = None,
 ) -> ResetFunction:
-    """A reset function that draws a random level of the given sizes.
+    """Return a reset function that draws a random level of the given sizes.
 
     Args:
         env_params: Parameters.
@@ -329,7 +329,7 @@ def make_reset_fn_sample_sizes(
 def make_reset_fn_locomotion(
     static_env_params: StaticEnvParams, locomotion_params: "LocomotionParams | None" = None
 ) -> ResetFunction:
-    """A reset function that draws walkers with a goal to reach.
+    """Return a reset function that draws walkers with a goal to reach.
 
     Args:
         static_env_params: Sizes and physics.
@@ -342,14 +342,14 @@ def make_reset_fn_locomotion(
 
 
 def make_reset_fn_empty(static_env_params: StaticEnvParams) -> ResetFunction:
-    """A reset function that always gives the level without any body but the arena."""
+    """Return a reset function that always gives the level without any body but the arena."""
     return make_reset_fn_list_of_levels(Level(name="empty"), static_env_params)
 
 
 def _draw(
     sampler: Callable[..., ResetFunction], engine: PhysicsEngine, options: Any, key: Array
 ) -> EnvState:
-    """A level from a sampler that is made where it is used: it cannot be pickled."""
+    """Return a level from a sampler that is made where it is used: it cannot be pickled."""
     return sampler(engine, options)(key)
 
 

@@ -256,7 +256,7 @@ def _steps(seconds: float, dt: float) -> int:
 
 
 def _action_rows(actions: Any, steps: int, dt: float) -> Float[np.ndarray, "s u"]:
-    """One row of the unified action per step."""
+    """Return one row of the unified action per step."""
     kind = ContinuousActions()
     channels = kind.motor_bindings + kind.thruster_bindings
     if actions is None:
@@ -281,7 +281,7 @@ def _action_rows(actions: Any, steps: int, dt: float) -> Float[np.ndarray, "s u"
 
 
 def _solution_rows(solution: Solution, steps: int, dt: float) -> Float[np.ndarray, "s u"]:
-    """The recorded actions, each for as long as it was recorded, then nothing.
+    """Return the recorded actions, each for as long as it was recorded, then nothing.
 
     Raises:
         KinetixError: A step would be longer than an action.

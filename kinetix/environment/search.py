@@ -58,7 +58,7 @@ class SearchProgress:
     compiling: float
     """Seconds of the first rounds, which compile."""
     compiled: bool
-    """Whether each kind has had its first round."""
+    """True once each kind has had its first round."""
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -169,7 +169,7 @@ def search_task(level: Level, env: KinetixEnv, *, physics: str, seed: int = 0) -
 def solving_env(
     levels: Sequence[Level], *, physics: str, frame_skip: int = LEVEL_FRAME_SKIP
 ) -> KinetixEnv:
-    """An environment for searching these levels, which ends its episodes.
+    """Return an environment for searching these levels, which ends its episodes.
 
     It computes what at least one of them can do. For one level that is least work a step; for
     many, one compilation serves them all.

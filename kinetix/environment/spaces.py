@@ -71,7 +71,7 @@ _GYMNAX: Final = "gymnax.environments.spaces"
 
 @functools.cache
 def _with_base(kind: type, base: type) -> type:
-    """The class itself, with another base: instances of it are instances of both."""
+    """Return the class itself, with another base: instances of it are instances of both."""
     return type(kind.__name__, (kind, base), {"__module__": kind.__module__})
 
 
@@ -90,7 +90,7 @@ class Space(abc.ABC):
 
     @abc.abstractmethod
     def sample(self, key: Array) -> Any:
-        """A value drawn uniformly where the space is bounded."""
+        """Return a value drawn uniformly where the space is bounded."""
 
     @abc.abstractmethod
     def contains(self, x: Any) -> Bool[Array, ""]:
@@ -147,7 +147,7 @@ class MultiDiscrete(Space):
         return (len(self.number_of_dims_per_distribution),)
 
     def sample(self, key: Array) -> Array:
-        """Every entry uniform over its classes."""
+        """Return every entry uniform over its classes."""
         classes = jnp.asarray(self.number_of_dims_per_distribution, self.dtype)
         return jax.random.randint(key, self.shape, 0, classes, self.dtype)
 
@@ -225,7 +225,7 @@ class Binary(Space):
     dtype: Any = jnp.bool_
 
     def sample(self, key: Array) -> Array:
-        """Every entry a fair coin."""
+        """Return every entry a fair coin."""
         return jax.random.bernoulli(key, shape=self.shape)
 
     def contains(self, x: Any) -> Bool[Array, ""]:
@@ -247,7 +247,7 @@ class Dict(Space):
         return len(self.spaces)
 
     def sample(self, key: Array) -> dict[str, Any]:
-        """Every part drawn from its space."""
+        """Return every part drawn from its space."""
         keys = jax.random.split(key, len(self.spaces))
         return {
             name: space.sample(k)

@@ -94,7 +94,7 @@ StepResult = tuple[Any, EnvState, Float[Array, ""], Bool[Array, ""], dict[str, A
 
 
 def state_of(scene: Scene) -> EnvState:
-    """The state in which an episode of a compiled level starts."""
+    """Return the state in which an episode of a compiled level starts."""
     none_yet: Any = np.zeros((), np.int32)
     unknown: Any = np.full((), NO_DISTANCE, np.float32)
     return EnvState(
@@ -107,7 +107,7 @@ def state_of(scene: Scene) -> EnvState:
 
 
 def without_contacts(physics: State) -> State:
-    """The same bodies with no memory of contacts and impulses, as right after a reset."""
+    """Return the same bodies with no memory of contacts and impulses, as right after a reset."""
     return dataclasses.replace(
         physics,
         touching=jnp.zeros_like(physics.touching),
@@ -117,7 +117,7 @@ def without_contacts(physics: State) -> State:
 
 
 def stack_states(states: list[EnvState]) -> Any:
-    """States of equal capacity as one state with a leading axis of levels.
+    """Return states of equal capacity as one state with a leading axis of levels.
 
     By numpy: JAX would compile a program for every array, of a thousand levels for minutes.
 

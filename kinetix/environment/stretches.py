@@ -95,7 +95,7 @@ def stretches(task: Task) -> Iterator[Round]:
 
 
 def _pass(task: Task, start: EnvState, guide: Int[np.ndarray, "k 6"], followed: int) -> Round:
-    """One pass; the first attempt goes on with the guide's actions as far as they last."""
+    """Return one pass; the first attempt goes on with the guide's actions as far as they last."""
     states = jax.tree.map(lambda x: jnp.broadcast_to(x, (BATCH, *jnp.shape(x))), start)
     parents = np.arange(BATCH)
     plans = np.repeat(guide[None, :followed], BATCH, axis=0)

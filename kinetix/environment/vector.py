@@ -143,7 +143,7 @@ def vectorize(env: Any) -> VectorEnv:
 
 
 def _axis(levels: EnvState | None) -> int | None:
-    """The axis of worlds of some levels; one level for all has none."""
+    """Return the axis of worlds of some levels; one level for all has none."""
     return None if levels is None or jnp.ndim(levels.timestep) == 0 else 0
 
 

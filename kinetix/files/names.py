@@ -1,4 +1,4 @@
-"""Whether names of files, and other strings, are text."""
+"""Checks that names of files, and other strings, are text."""
 
 import re
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""What callers of Gymnasium's methods pass, checked, and the process that they call from."""
+"""Checks of arguments of Gymnasium's methods, and of the calling process."""
 
 import inspect
 from collections.abc import Mapping, Sequence
@@ -31,7 +31,7 @@ def refuse_fork() -> None:
 
 
 def checked_options(options: Any, *known: str) -> Mapping[str, Any]:
-    """The options of a reset; empty where there are none.
+    """Return the options of a reset; empty where there are none.
 
     Args:
         options: What the caller passed.
@@ -54,7 +54,7 @@ def checked_options(options: Any, *known: str) -> Mapping[str, Any]:
 
 
 def checked_words(words: Mapping[str, Any]) -> Mapping[str, Any]:
-    """The keywords of an environment that Gymnasium hands on.
+    """Return the keywords of an environment that Gymnasium hands on.
 
     Raises:
         KinetixError: A keyword is unknown; the message lists those that exist.
@@ -119,7 +119,7 @@ def _is_whole(value: Any) -> bool:
 
 
 def checked_seed(seed: Any) -> int:
-    """A seed as a Python number.
+    """Return a seed as a Python number.
 
     Raises:
         KinetixError: The seed is not a whole number, or too large.
@@ -130,7 +130,7 @@ def checked_seed(seed: Any) -> int:
 
 
 def numbers_of(action: Any) -> np.ndarray:
-    """An action, or a batch, as a numpy array.
+    """Return an action, or a batch, as a numpy array.
 
     Raises:
         KinetixError: The action holds something other than numbers.

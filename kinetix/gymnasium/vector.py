@@ -279,7 +279,7 @@ class KinetixVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
         return self._draws
 
     def _seeds(self, seed: Any) -> list[int | None]:
-        """A seed for each environment, or None."""
+        """Return a seed for each environment, or None."""
         if seed is None:
             return [None] * self.num_envs
         if isinstance(seed, Sequence | np.ndarray) and not isinstance(seed, str):
@@ -348,7 +348,7 @@ def _masks(info: Mapping[str, Any], mask: np.ndarray) -> dict[str, np.ndarray]:
 
 
 def _select(mask: Bool[Array, " n"], new: Any, old: Any) -> Any:
-    """Every leaf from the one tree where the mask is true, else from the other."""
+    """Return every leaf from the one tree where the mask is true, else from the other."""
 
     def pick(a: Array, b: Array) -> Array:
         return jnp.where(mask.reshape(mask.shape + (1,) * (jnp.ndim(a) - 1)), a, b)

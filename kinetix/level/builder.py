@@ -93,7 +93,7 @@ class LevelBuilder:
         self._used = level.next_id - 1
 
     def __repr__(self) -> str:
-        """The name and how much there is."""
+        """Return the name and how much there is."""
         return (
             f"LevelBuilder({self._begun.name!r}: {len(self._bodies)} bodies, "
             f"{len(self._joints)} joints, {len(self._thrusters)} thrusters)"

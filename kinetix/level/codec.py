@@ -59,7 +59,7 @@ class LoadedLevel:
 
 
 def resolve_path(name: str | Path) -> Path:
-    """The file that a path or the name of a bundled level means.
+    """Return the file that a path or the name of a bundled level means.
 
     A path that exists is taken as it is, any other relative name is looked for among the bundled
     levels (`s/name`); `.json` may be left out, and where no file has the suffix `.permuteN` in its
@@ -149,7 +149,7 @@ def loads_document(text: str, file: str = "text") -> LoadedLevel:
 
 
 def loads(text: str | bytes, file: str = "text") -> Level:
-    """A level from the text of either format.
+    """Return a level from the text of either format.
 
     Args:
         text: JSON text, or its bytes in UTF-8.
@@ -162,7 +162,7 @@ def loads(text: str | bytes, file: str = "text") -> Level:
 
 
 def level_from_tree(tree: dict[str, Any], file: str, path: str = "$") -> Level:
-    """A level from the parsed JSON of our format.
+    """Return a level from the parsed JSON of our format.
 
     Args:
         tree: The whole object, `format` and `version` included.
@@ -222,7 +222,7 @@ def dumps(
     format: LevelFormat = FORMAT,
     source: KinetixEnvDocument | None = None,
 ) -> str:
-    """The text of a level file.
+    """Return the text of a level file.
 
     Args:
         level: The document.
@@ -335,7 +335,7 @@ def check_computable(level: Level) -> None:
 
 
 def _sayable_tree(level: Level, name: str) -> dict[str, Any]:
-    """A level as JSON, where each of its values has one."""
+    """Return a level as JSON, where each of its values has one."""
     for kind in ("bodies", "joints", "thrusters"):
         parts = getattr(level, kind)
         if not (isinstance(parts, tuple) and all(isinstance(part, Record) for part in parts)):

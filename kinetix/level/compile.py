@@ -72,7 +72,7 @@ class Scene:
 
 
 def empty_scene(spec: SceneSpec, solver: AbstractSolver) -> Scene:
-    """A scene with every slot inactive, as writable numpy arrays, for builders to fill.
+    """Return a scene with every slot inactive, as writable numpy arrays, for builders to fill.
 
     Inactive slots hold what kinetix-env's files hold there: friction 1, density 1, collision mode
     1, vertex count 4, all else 0.
@@ -149,7 +149,7 @@ def empty_scene(spec: SceneSpec, solver: AbstractSolver) -> Scene:
 
 
 def finished(scene: Scene) -> Scene:
-    """The scene with what is derived from all of it: the collision filter."""
+    """Return the scene with what is derived from all of it: the collision filter."""
     joints = scene.world.joints
     collides = collision_matrix(
         len(scene.world.bodies.active),
@@ -161,7 +161,7 @@ def finished(scene: Scene) -> Scene:
 
 
 def compile_level(level: Level, *, spec: SceneSpec, solver: AbstractSolver) -> Scene:
-    """A level as the engine's arrays, slots filled without gaps in list order.
+    """Return a level as the engine's arrays, slots filled without gaps in list order.
 
     Args:
         level: The document.

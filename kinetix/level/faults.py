@@ -110,7 +110,7 @@ def found(value: Any) -> str:
 
 
 def bounds_text(low: float | None, high: float | None) -> str:
-    """Limits in the form `0 ≤ x ≤ 10`."""
+    """Return limits in the form `0 ≤ x ≤ 10`."""
     left = "" if low is None else f"{low:g} ≤ "
     right = "" if high is None else f" ≤ {high:g}"
     return f"{left}x{right}"

@@ -19,12 +19,12 @@ _DRAFT: Final = "https://json-schema.org/draft/2020-12/schema"
 
 
 def level_schema() -> dict[str, Any]:
-    """Schema of a level file."""
+    """Return the schema of a level file."""
     return _schema(Level, FORMAT, VERSION)
 
 
 def level_set_schema() -> dict[str, Any]:
-    """Schema of a level set; each of its levels stands in it or is named by its path."""
+    """Return the schema of a level set; each of its levels stands in it or is named by its path."""
     schema = _schema(LevelSet, LEVELSET_FORMAT, SET_VERSION)
     level = _schema(Level, FORMAT, VERSION)
     entry = schema["$defs"]["SetEntry"]

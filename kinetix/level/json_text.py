@@ -14,7 +14,7 @@ __all__ = ["DuplicateKeys", "decode_text", "parse_json", "read_text"]
 
 
 def read_text(path: Path, kind: Kind = "level") -> str:
-    """The text of a file.
+    """Return the text of a file.
 
     Raises:
         LevelError: The file cannot be read, is too large, or is not UTF-8.

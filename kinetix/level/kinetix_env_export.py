@@ -47,7 +47,7 @@ from kinetix.level.slots import body_slots
 
 
 def world_anchor(body: KinetixBody, local: tuple[float, float]) -> tuple[float, float]:
-    """A point of a body's frame in world coordinates [m], rounded to binary32."""
+    """Return a point of a body's frame in world coordinates [m], rounded to binary32."""
     x, y = rotate(local, body.rotation)
     return round_real(body.position[0] + x), round_real(body.position[1] + y)
 
@@ -73,7 +73,7 @@ def joint_position(a: JointEnd, b: JointEnd) -> tuple[float, float]:
 
 
 def dump_tree(tree: Any) -> str:
-    """A tree as JSON text the way kinetix-env writes it: one line, no newline at the end."""
+    """Return a tree as JSON text the way kinetix-env writes it: one line, no newline at the end."""
     return json.dumps(tree)
 
 
@@ -98,7 +98,7 @@ def from_level(level: Level, *, stem: str | None = None) -> tuple[str, tuple[str
 
 
 def _keyed(values: Sequence[Any]) -> dict[str, Any]:
-    """An array in kinetix-env's form: an object with decimal keys."""
+    """Return an array in kinetix-env's form: an object with decimal keys."""
     return {
         str(k): _keyed(value) if isinstance(value, (tuple, list)) else value
         for k, value in enumerate(values)

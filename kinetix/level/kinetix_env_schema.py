@@ -112,7 +112,7 @@ ENV_PARAMS: Final[dict[str, Any]] = {
 
 
 def static_env_params(capacity: Capacity) -> dict[str, Any]:
-    """The block `static_env_params` of a published level with this capacity."""
+    """Return the block `static_env_params` of a published level with this capacity."""
     return {
         "num_polygons": capacity.polygons,
         "num_circles": capacity.circles,
@@ -164,7 +164,7 @@ def read_real(value: Any, path: str, faults: FaultCollector) -> float:
 
 
 def read_integer(value: Any, path: str, faults: FaultCollector) -> int:
-    """A whole number; reals such as 1.0 count."""
+    """Return a whole number; reals such as 1.0 count."""
     if type(value) is float and value.is_integer() and abs(value) < 2**53:
         return int(value)
     if type(value) is not int:
@@ -290,7 +290,7 @@ def read_keys(
     readers: dict[str, Reader],
     optional: frozenset[str] = frozenset(),
 ) -> dict[str, Any]:
-    """The values of an object with exactly these keys, each read by its own reader."""
+    """Return the values of an object with exactly these keys, each read by its own reader."""
     if not isinstance(value, dict):
         faults.expect("E006", path, "an object", value)
         return {}
@@ -309,7 +309,7 @@ def read_keys(
 
 
 def read_record(value: Any, cls: type[Any], path: str, faults: FaultCollector) -> Any:
-    """One row of a collection."""
+    """Return one row of a collection."""
     readers, optional = _RECORDS[cls]
     return cls(**read_keys(value, path, faults, readers, optional))
 
@@ -317,7 +317,7 @@ def read_record(value: Any, cls: type[Any], path: str, faults: FaultCollector) -
 def read_rows(
     value: Any, cls: type[Any], count: int, path: str, faults: FaultCollector
 ) -> tuple[Any, ...]:
-    """The first `count` rows of a collection; more are ignored, fewer are a fault."""
+    """Return the first `count` rows of a collection; more are ignored, fewer are a fault."""
     rows = read_array(value, path, faults)
     if rows is None:
         return ()

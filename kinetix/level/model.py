@@ -208,7 +208,7 @@ class Record(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
             msgspec.structs.force_setattr(self, name, normal)
 
     def replace(self, **changes: Any) -> Self:
-        """A copy with some fields changed."""
+        """Return a copy with some fields changed."""
         return msgspec.structs.replace(self, **changes)
 
 
@@ -516,7 +516,7 @@ class Level(Record, frozen=True, kw_only=True):
         )
 
     def entity(self, entity_id: int) -> Entity:
-        """The body, joint or thruster with this id.
+        """Return the body, joint or thruster with this id.
 
         Raises:
             KeyError: No entity has it.
@@ -527,7 +527,7 @@ class Level(Record, frozen=True, kw_only=True):
         raise KeyError(entity_id)
 
     def body(self, body_id: int) -> Body:
-        """The body with this id.
+        """Return the body with this id.
 
         Raises:
             KeyError: No body has it.

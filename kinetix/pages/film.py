@@ -48,7 +48,7 @@ class Film:
     actions: Float[np.ndarray, "k 6"] | None = None
     """Controls in the step before each moment: −1 … 1 per motor, 0 … 1 per thruster."""
     value: Float[np.ndarray, " k"] | None = None
-    """Return that the agent expected; NaN where nothing is known."""
+    """Expected return of the agent; NaN where nothing is known."""
     entropy: Float[np.ndarray, " k"] | None = None
     """Entropy of its policy [nat]."""
     outcome: str = ""

@@ -113,7 +113,7 @@ def _film(one: Any) -> Film:
 
 
 def _level_of(name: str | Path) -> Level:
-    """The level of a file or name.
+    """Return the level of a file or name.
 
     Raises:
         KinetixError: The level does not exist.

@@ -20,7 +20,7 @@ class Camera:
 
 
 def fit_arena(width: int, height: int, margin: float = 0.0) -> Camera:
-    """The camera that shows the whole playable square as large as possible.
+    """Return the camera that shows the whole playable square as large as possible.
 
     Args:
         width: Width of the picture [px].

@@ -54,7 +54,7 @@ class Palette:
 
 
 def shaded(colour: Rgb, factor: float) -> Rgb:
-    """The colour times a factor, rounded down (so that half of 255 is 127)."""
+    """Return the colour times a factor, rounded down (so that half of 255 is 127)."""
     red, green, blue = (int(channel * factor) for channel in colour)
     return red, green, blue
 
@@ -70,7 +70,7 @@ def luminance(colour: Rgb) -> float:
 
 
 def contrast(first: Rgb, second: Rgb) -> float:
-    """Contrast ratio of two colours, 1–21.
+    """Return the contrast ratio of two colours, 1–21.
 
     Source: WCAG 2.2, definition of contrast ratio.
     """

@@ -98,7 +98,7 @@ STYLE: Final = Style()
 
 
 def glyph_radius(inscribed: float, style: Style = STYLE) -> float:
-    """Radius of the role glyph on a body.
+    """Return the radius of the role glyph on a body.
 
     Args:
         inscribed: Distance from the body's centre to its nearest edge; a circle's radius.

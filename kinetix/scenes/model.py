@@ -88,7 +88,7 @@ class SuiteScene:
         return max(trial.duration for trial in self.make_trials())
 
     def build(self, variant: int = 0) -> Level:
-        """The level of one trial, as a document to look at.
+        """Return the level of one trial, as a document to look at.
 
         Raises:
             IndexError: The scene has no such trial.

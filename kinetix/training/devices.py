@@ -69,7 +69,7 @@ def wait_for_all(name: str) -> None:
 
 
 def to_host(tree: Any) -> Any:
-    """The whole of every array, as numpy arrays, in every process.
+    """Return the whole of every array, as numpy arrays, in every process.
 
     Args:
         tree: Arrays; every process must call this with the same ones.

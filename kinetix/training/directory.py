@@ -62,7 +62,7 @@ def _may_lie_there(path: Path) -> bool:
 
 
 def _differing(name: str, old: Any, new: Any) -> str:
-    """The first field in which two configurations differ, inside the network's too."""
+    """Return the first field in which two configurations differ, inside the network's too."""
     if isinstance(old, NetworkConfig) and isinstance(new, NetworkConfig):
         for field in dataclasses.fields(old):
             a, b = getattr(old, field.name), getattr(new, field.name)

@@ -184,7 +184,7 @@ def levels_to_watch(setup: Setup, most: int | None = None) -> list[NamedLevel]:
 
 
 def _as_read(level: SetLevel) -> Level | LoadedLevel:
-    """The level as in its file; kinetix-env's files hold more than a document."""
+    """Return the level as in its file; kinetix-env's files hold more than a document."""
     return load_document(level.played) if isinstance(level.played, Path) else level.played
 
 

@@ -45,7 +45,7 @@ class Sink(Protocol):
 
 
 def open_sinks(run: Path, config: PpoConfig, *, updates: int = 0) -> list[Sink]:
-    """The run's own files, and what the configuration asks for besides.
+    """Return the run's own files, and what the configuration asks for besides.
 
     Args:
         run: The run's directory.
@@ -234,5 +234,5 @@ def _row(line: str) -> dict[str, float] | None:
 
 
 def _columns(rows: list[dict[str, float]]) -> list[str]:
-    """Names in the order of their first occurrence."""
+    """Return names in the order of their first occurrence."""
     return list(dict.fromkeys(name for row in rows for name in row))

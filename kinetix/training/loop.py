@@ -200,7 +200,7 @@ def _report(
 def _agent(
     run: Training, state: Any, progress: StoredProgress, results: Mapping[str, float]
 ) -> Agent:
-    """The agent that a training state holds, with its records."""
+    """Return the agent that a training state holds, with its records."""
     algorithm, trainer = run.algorithm, run.trainer
     config = trainer.setup.config
     steps = progress.updates * config.steps_per_update

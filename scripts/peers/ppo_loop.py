@@ -59,7 +59,7 @@ class Flat(nn.Module):
 
     @nn.compact
     def __call__(self, x: jax.Array) -> tuple[jax.Array, jax.Array]:
-        """One layer, then the head."""
+        """Return one layer, then the head."""
         return Head()(nn.relu(nn.Dense(128)(x)))
 
 
@@ -102,7 +102,7 @@ NETWORKS: dict[str, tuple[nn.Module, Any]] = {
 
 
 def make_env(observation: Any, physics: str, *, size: str = "s", random: bool = True) -> Any:
-    """The environment on random levels of a size, or on one, at the published frame skip."""
+    """Return the environment on random levels of a size, or on one, at the published frame skip."""
     static = static_env_params_from_size(size).replace(frame_skip=2)
     if is_ours():
         static = static.replace(physics=physics)
@@ -127,7 +127,7 @@ def is_ours() -> bool:
 
 
 def by_part(logits: jax.Array) -> list[jax.Array]:
-    """Log-probabilities of each part of the action."""
+    """Return log-probabilities of each part of the action."""
     edges = [sum(SIZES[:index]) for index in range(1, len(SIZES))]
     return [nn.log_softmax(part) for part in jnp.split(logits, edges, axis=-1)]
 
@@ -156,7 +156,7 @@ def loss(network: nn.Module, params: Any, batch: Any) -> jax.Array:
 
 
 def play(network: nn.Module, step: Step, params: Any, carry: Any, key: jax.Array) -> tuple:
-    """One step of all environments, and the row that is learnt from."""
+    """Return one step of all environments, and the row that is learnt from."""
     seen, state = carry
     act_key, step_key = jax.random.split(key)
     logits, value = network.apply(params, seen)

@@ -29,7 +29,7 @@ class Command(Protocol):
         ...
 
     def apply(self, level: Level) -> Level:
-        """The level after the edit; the same object when nothing changes.
+        """Return the level after the edit; the same object when nothing changes.
 
         Raises:
             CommandError: The edit cannot be done; the message is for the status bar.
@@ -38,5 +38,5 @@ class Command(Protocol):
 
 
 def count_label(verb: str, count: int, noun: str) -> str:
-    """A label that counts: `Move shape`, `Move 3 shapes`."""
+    """Return a label that counts: `Move shape`, `Move 3 shapes`."""
     return f"{verb} {noun}" if count == 1 else f"{verb} {count} {noun}s"

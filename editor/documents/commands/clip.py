@@ -73,7 +73,7 @@ def copied(level: Level, selection: Selection) -> Clip:
 
 
 def dumps(clip: Clip) -> str:
-    """The clip as text for the system's clipboard."""
+    """Return the clip as text for the system's clipboard."""
     return msgspec.json.encode(clip).decode()
 
 
@@ -246,7 +246,7 @@ def _rounded(at: Point) -> Point:
 
 
 def shift_to(clip: Clip, at: Point) -> Point:
-    """The shift that puts the middle of a clip at a point [m]."""
+    """Return the shift that puts the middle of a clip at a point [m]."""
     if not clip.bodies:
         return (0.0, 0.0)
     left, bottom, right, top = bounds_of(clip.bodies)

@@ -45,13 +45,13 @@ _NOISE: Final = 2e-6
 
 @functools.cache
 def field_types(cls: type[Record]) -> dict[str, Any]:
-    """The annotated types of a record's fields, limits and units included."""
+    """Return the annotated types of a record's fields, limits and units included."""
     hints = typing.get_type_hints(cls, include_extras=True)
     return {name: hints[name] for name in cls.__struct_fields__}
 
 
 def read_field(record: Record, path: str) -> Any:
-    """The value of a dotted field; absent motors and limits count as off.
+    """Return the value of a dotted field; absent motors and limits count as off.
 
     `position.x` and `vertices.2` reach into tuples.
 
@@ -70,7 +70,7 @@ def read_field(record: Record, path: str) -> Any:
 
 
 def with_field(record: Record, path: str, value: Any) -> Record:
-    """A copy with a dotted field changed.
+    """Return a copy with a dotted field changed.
 
     Raises:
         CommandError: The record has no such field, or the format does not allow the value.
@@ -155,7 +155,7 @@ def alike(a: Any, b: Any) -> bool:
 
 
 def selected_records(level: Level, selection: Selection) -> list[Record]:
-    """The selected entities and arena bodies."""
+    """Return the selected entities and arena bodies."""
     by_id = _by_id(level)
     return [by_id[entity_id] for entity_id in selection if entity_id in by_id]
 

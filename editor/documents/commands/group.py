@@ -144,7 +144,7 @@ class Rotate:
 
 
 def centroid(bodies: list[Body]) -> Point:
-    """Mean of the bodies' positions [m]."""
+    """Return the mean of the bodies' positions [m]."""
     count = len(bodies)
     return (
         sum(body.position[0] for body in bodies) / count,
@@ -318,7 +318,7 @@ class Mirror:
 def _joint_image(
     joint: Joint, axis: Axis, ids: Set[int], resting: Mapping[BodyReference, float]
 ) -> Joint:
-    """The mirror image of a joint of mirrored bodies, as far from its limits as it was."""
+    """Return the mirror image of a joint of mirrored bodies, as far from its limits as it was."""
     ends: list[End] = [end for end in BOTH if getattr(joint, end) in ids]
     if not ends:
         return joint
@@ -386,7 +386,7 @@ def _ids(reference: EntityId) -> tuple[int, ...]:
 
 
 def polygon_body(vertices: tuple[Point, ...], level: Level, like: Body | None = None) -> Body:
-    """A polygon body with these world corners, turned counter-clockwise.
+    """Return a polygon body with these world corners, turned counter-clockwise.
 
     Args:
         vertices: Corners in the world [m].

@@ -33,7 +33,7 @@ def drawing_rank(level: Level, reference: BodyReference) -> tuple[int, int]:
 def joint_between(
     level: Level, bodies: tuple[BodyReference, BodyReference], point: Point, kind: JointKind
 ) -> Joint:
-    """A new joint of two bodies at a world point; the lower body is `a`.
+    """Return a new joint of two bodies at a world point; the lower body is `a`.
 
     Raises:
         CommandError: A body is missing, or both are the same.

@@ -44,7 +44,7 @@ def joined(level: Level, ids: Collection[EntityId]) -> list[set[int]]:
 
 
 def with_bodies(level: Level, ids: Collection[EntityId], change: Callable[[Body], Body]) -> Level:
-    """The level with some of its bodies changed."""
+    """Return the level with some of its bodies changed."""
     return level.replace(
         bodies=tuple(change(body) if body.id in ids else body for body in level.bodies)
     )

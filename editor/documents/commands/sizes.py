@@ -160,7 +160,7 @@ class ResetCorners:
 
 
 def _offset(shape: Polygon, other: Polygon) -> Point:
-    """The shift of a shape that brings most of its corners onto those of the other [m].
+    """Return the shift of a shape that brings most of its corners onto those of the other [m].
 
     (0, 0) where at most one corner would meet: that is always possible.
     """

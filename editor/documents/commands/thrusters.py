@@ -23,7 +23,7 @@ def default_power(body: Body, inertia_model: InertiaModel) -> float:
 
 
 def next_binding(level: Level) -> int:
-    """The first thruster channel that nothing uses yet, else the first."""
+    """Return the first thruster channel that nothing uses yet, else the first."""
     used = {thruster.binding for thruster in level.thrusters}
     return next((k for k in range(THRUSTER_BINDINGS) if k not in used), 0)
 
@@ -75,7 +75,7 @@ class PlaceThruster:
     direction: float | None = None
     """[rad], in the world."""
     body: int | None = None
-    """What it pushes from now on; it pushes the same way there."""
+    """Body that it pushes from now on; it pushes the same way there."""
     merge_key: Hashable | None = None
 
     @property

@@ -126,7 +126,7 @@ def checkbox(
     mixed: bool = False,
     enabled: bool = True,
 ) -> tuple[bool, bool]:
-    """A box to tick; `mixed` shows a dash. Returns whether it changed, and to what.
+    """Draw a box to tick; `mixed` shows a dash. Returns whether it changed, and to what.
 
     Words that have no room beside the box are broken.
     """

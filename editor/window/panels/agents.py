@@ -151,7 +151,7 @@ class AgentsPanel(Panel):
             session.queue(lambda: agents.show_checkpoint(session, slot, target))
 
     def _known_checkpoints(self, session: "Session", summary: AgentSummary) -> list[Path]:
-        """The run's checkpoints; the disk is asked now and then, not in every frame."""
+        """Return the run's checkpoints; the disk is asked now and then, not in every frame."""
         key, now = summary.ref.path, session.time
         known = self._listed.get(key)
         if known is None or now - known[0] > _LOOK_SECONDS:

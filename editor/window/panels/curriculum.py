@@ -163,7 +163,7 @@ class CurriculumPanel(Panel):
 
 
 def _facts(listed: ListedLevel, head: PageHead) -> str:
-    """All that is known of a level, for its tooltip."""
+    """Return all that is known of a level, for its tooltip."""
     learnable = "" if listed.learnability is None else f"learnability {listed.learnability:.3f}\n"
     rate = (
         "no episode ended on its last visit"

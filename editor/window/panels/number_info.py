@@ -49,7 +49,7 @@ def _stripped(hint: Any) -> Any:
 
 
 def _inner_record(hint: Any, name: str) -> Any:
-    """The record class among the alternatives of a hint that has the field."""
+    """Return the record class among the alternatives of a hint that has the field."""
     hint = _stripped(hint)
     options = typing.get_args(hint) if typing.get_origin(hint) is not None else (hint,)
     for option in map(_stripped, options or (hint,)):

@@ -242,7 +242,7 @@ def _files(session: "Session") -> list[Entry]:
 
 
 def scene_entries(session: "Session") -> list[Entry]:
-    """The scenes of the accuracy suite, by id and name."""
+    """Return the scenes of the accuracy suite, by id and name."""
     from kinetix.scenes import SCENES
 
     return [

@@ -45,7 +45,7 @@ _KEPT = 16
 
 
 def player_of(ref: AgentRef) -> Player:
-    """The agent that is meant, loaded on first use.
+    """Return the agent that is meant, loaded on first use.
 
     Raises:
         CheckpointError: The agent cannot be loaded; one sentence.
@@ -295,7 +295,7 @@ class AgentDriver:
         jax.block_until_ready(self._play(*arguments)[0])
 
     def mind(self, thought: Any, *, by_hand: bool, step: int) -> Mind:
-        """A thought for the window.
+        """Return a thought for the window.
 
         Raises:
             KinetixError: The network's output is NaN.
@@ -338,7 +338,7 @@ def mind_of(
     by_hand: bool = False,
     scripted: bool = False,
 ) -> Mind:
-    """A thought as plain values."""
+    """Return a thought as plain values."""
     return Mind(
         intention=tuple(np.asarray(intention).tolist()),
         own_action=tuple(np.asarray(own_action).tolist()),

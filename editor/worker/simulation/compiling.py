@@ -199,7 +199,7 @@ class Programs:
         """Programs that were compiled and have not been written to disk."""
 
     def get(self, key: Hashable) -> Any | None:
-        """A program that is ready, or None."""
+        """Return a program that is ready, or None."""
         with self._lock:
             program = self._ready.get(key)
             if program is not None:
@@ -217,7 +217,7 @@ class Programs:
             self._ready.popitem(last=False)
 
     def obtain(self, recipe: Recipe, progress: Progress, *, background: bool = False) -> Any:
-        """A program: from memory, or when it has been compiled.
+        """Return a program: from memory, or when it has been compiled.
 
         Args:
             recipe: Which.

@@ -66,7 +66,7 @@ def has(key: object) -> bool:
 
 
 def load(key: object, arguments: Any, results: Any) -> Any | None:
-    """A step from disk, or None.
+    """Return a step from disk, or None.
 
     Args:
         key: Its parameters; their `repr` must identify them.

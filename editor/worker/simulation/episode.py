@@ -58,7 +58,7 @@ class HandDriver:
         jax.block_until_ready(self.step(state, step, NOOP).state)
 
     def step(self, state: EnvState, step: int, hand: Action | None) -> Step:
-        """One environment step; see `AgentDriver.step`."""
+        """Return one environment step; see `AgentDriver.step`."""
         del step
         action = jax.device_put(np.asarray(NOOP if hand is None else hand, np.int32))
         state, info = self._stepper.step(state, action)
@@ -173,7 +173,7 @@ class Episode:
 
 
 def _fetched(taken: Step, before: EnvState) -> Step:
-    """A step as numpy arrays; what the level fixes is taken from the state before."""
+    """Return a step as numpy arrays; what the level fixes is taken from the state before."""
     moved = {name: getattr(taken.state, name) for name in MOVING}
     rest = (taken.info, taken.unified, taken.thought)
     moved, (info, unified, thought) = jax.device_get((moved, rest))

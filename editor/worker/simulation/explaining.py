@@ -96,7 +96,7 @@ def _places(
 
 
 def _moved(moment: Situation, slots: np.ndarray, level: Level, body: int | None) -> Any:
-    """The body and what is jointed to it, slots of the state."""
+    """Return the body and what is jointed to it, slots of the state."""
     moved = np.zeros(np.asarray(moment.state.world.bodies.active).shape, bool)
     if body is not None:
         together = component(level, (body,))

@@ -24,7 +24,7 @@ from kinetix.level.sizes import capacity_of
 
 
 def drawn(request: RandomLevel) -> Level:
-    """A random level; the same seed gives the same level."""
+    """Return a random level; the same seed gives the same level."""
     # Imported on use: the generators are large and play does not need them.
     if request.machine:
         from kinetix.environment.generators.machines import random_machines

@@ -79,7 +79,7 @@ def _state(level: Level, state: Any, physics: str = "balanced") -> EnvState:
 
 
 def render_state(request: RenderState) -> Image:
-    """The picture of a state for the canvas.
+    """Return the picture of a state for the canvas.
 
     Raises:
         KinetixError: No palette has this name, or the level does not fit.
@@ -120,7 +120,7 @@ def export_picture(request: ExportPicture) -> Path:
 def without_background(
     on_black: UInt8[np.ndarray, "h w 3"], on_white: UInt8[np.ndarray, "h w 3"]
 ) -> UInt8[np.ndarray, "h w 4"]:
-    """Colour and coverage from the same picture on black and on white.
+    """Return colour and coverage from the same picture on black and on white.
 
     A pixel with coverage α and colour c shows α·c on black and α·c + (1 − α) on white.
     """

@@ -81,11 +81,11 @@ class MultiCategorical:
         return self._argmax(self.logits / temperature + noise)
 
     def mode(self) -> Int[Array, "*n parts"]:
-        """The likeliest choice of every part."""
+        """Return the likeliest choice of every part."""
         return self._argmax(self.logits)
 
     def log_prob(self, action: Int[Array, "*n parts"]) -> Float[Array, "*n"]:
-        """Sum of the parts' log-probabilities."""
+        """Return the sum of the parts' log-probabilities."""
         parts = self.log_probs()
         total = jnp.zeros(self.logits.shape[:-1], self.logits.dtype)
         for index, part in enumerate(parts):
@@ -95,7 +95,7 @@ class MultiCategorical:
         return total
 
     def entropy(self) -> Float[Array, "*n"]:
-        """Sum of the parts' entropies [nat]."""
+        """Return the sum of the parts' entropies [nat]."""
         return -sum(
             (
                 self._counted(index, jnp.sum(jnp.exp(part) * part, axis=-1))
@@ -105,7 +105,7 @@ class MultiCategorical:
         )
 
     def divergence(self, other: "MultiCategorical") -> Float[Array, "*n"]:
-        """Sum of the parts' divergences [nat]."""
+        """Return the sum of the parts' divergences [nat]."""
         pairs = zip(self.log_probs(), other.log_probs(), strict=True)
         return sum(
             (
@@ -128,7 +128,7 @@ class MultiCategorical:
         return jnp.stack(rows, axis=-2)
 
     def log_probs(self) -> list[Float[Array, "*n choices"]]:
-        """Normalised log-probabilities, one array a part."""
+        """Return normalised log-probabilities, one array a part."""
         return [jax.nn.log_softmax(part) for part in self._split(self.logits)]
 
     def _split(self, values: Array) -> list[Array]:
@@ -136,7 +136,7 @@ class MultiCategorical:
         return [values[..., a:b] for a, b in itertools.pairwise(bounds)]
 
     def _counted(self, index: int, values: Array) -> Array:
-        """A part's numbers, 0 where it is not live."""
+        """Return a part's numbers, 0 where it is not live."""
         return values if self.live is None else jnp.where(self.live[..., index], values, 0.0)
 
     def _argmax(self, scores: Array) -> Array:
@@ -240,7 +240,7 @@ class DiagonalNormal:
         return self._sum(jnp.broadcast_to(each, self.logits.shape))
 
     def divergence(self, other: "DiagonalNormal") -> Float[Array, "*n"]:
-        """Sum of the entries' divergences [nat]."""
+        """Return the sum of the entries' divergences [nat]."""
         spread = jnp.exp(2 * (self.log_std - other.log_std))
         distance = ((self.logits - other.logits) * jnp.exp(-other.log_std)) ** 2
         each = other.log_std - self.log_std + 0.5 * (spread + distance - 1)
@@ -289,7 +289,7 @@ class MultiDiscreteHead:
         return jnp.concatenate([_flattened(motors), _flattened(jets)], axis=-1)
 
     def __call__(self, logits: Array, log_std: Array | None) -> Distribution:
-        """The distribution of these outputs; `log_std` is ignored."""
+        """Return the distribution of these outputs; `log_std` is ignored."""
         del log_std
         return MultiCategorical(logits=logits, sizes=self.sizes)
 
@@ -321,7 +321,7 @@ class DiscreteHead:
         return jnp.concatenate([_flattened(moved), nothing, _flattened(pushed)], axis=-1)
 
     def __call__(self, logits: Array, log_std: Array | None) -> Distribution:
-        """The distribution of these outputs; `log_std` is ignored."""
+        """Return the distribution of these outputs; `log_std` is ignored."""
         del log_std
         return Categorical(logits=logits)
 
@@ -350,7 +350,7 @@ class ContinuousHead:
         return jnp.concatenate([moved, pushed], axis=-1)
 
     def __call__(self, logits: Array, log_std: Array | None) -> Distribution:
-        """The normal distribution with these means.
+        """Return the normal distribution with these means.
 
         Raises:
             ValueError: `log_std` is missing.
@@ -370,7 +370,7 @@ ActionHead = MultiDiscreteHead | DiscreteHead | ContinuousHead
 def action_head(
     action_type: str, *, motor_bindings: int = 4, thruster_bindings: int = 2
 ) -> ActionHead:
-    """The head for a type of action.
+    """Return the head for a type of action.
 
     Args:
         action_type: "multi_discrete", "discrete" or "continuous".

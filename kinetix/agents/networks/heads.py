@@ -21,7 +21,7 @@ Output = tuple[Carry, Distribution, Float[Array, "k n"]]
 
 
 def dense(features: int, *, gain: float = 2**0.5, name: str | None = None) -> nn.Dense:
-    """A linear layer with orthogonal weights and zero biases.
+    """Return a linear layer with orthogonal weights and zero biases.
 
     Args:
         features: Number of outputs.

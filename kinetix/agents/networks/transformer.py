@@ -105,7 +105,7 @@ class MessageBlock(nn.Module):
 
     @nn.compact
     def __call__(self, x: Float[Array, "*n f"]) -> Float[Array, "*n e"]:
-        """The message of each row."""
+        """Return the message of each row."""
         for index in range(self.num_layers - 1):
             hidden = linear(self.multiplication * self.width, name=f"Dense_{index}")(x)
             x = jax.nn.relu(hidden)

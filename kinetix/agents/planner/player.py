@@ -52,5 +52,5 @@ class Planner:
         return self.policy.init_carry(batch)
 
     def decide(self, *arguments: Any, deterministic: bool = False) -> Decision:
-        """The policy's own `decide`; see `player.Policy`."""
+        """Return the policy's own `decide`; see `player.Policy`."""
         return self.policy.decide(*arguments, deterministic=deterministic)

@@ -187,7 +187,7 @@ def _kept(mind: Mind, futures: Futures) -> Mind:
 
 
 def _outlook(futures: Futures, shown: Int[Array, "g k"], group: Array) -> Outlook:
-    """Some futures, those of one group first."""
+    """Return some futures, those of one group first."""
 
     def told(x: Array) -> Array:
         taken = jnp.take_along_axis(x, shown.reshape(*shown.shape, *[1] * (x.ndim - 2)), axis=1)

@@ -51,7 +51,7 @@ class ChartSettings:
 
 
 def every_physics() -> tuple[str, ...]:
-    """All presets and solvers that the chart shows, each method once."""
+    """Return all presets and solvers that the chart shows, each method once."""
     named = {**PRESETS, **SOLVERS}
     found: dict[Any, str] = {}
     for name, solver in named.items():
@@ -89,7 +89,7 @@ def build_chart(settings: ChartSettings, say: Callable[[str], None]) -> dict[str
 
 
 def chart_data(points: Sequence[Point]) -> dict[str, Any]:
-    """Points and scalars as JSON."""
+    """Return points and scalars as JSON."""
     batches = sorted({point.batch for point in points})
     place, today = machine(), datetime.date.today().isoformat()
     facets = [
@@ -109,7 +109,7 @@ def chart_data(points: Sequence[Point]) -> dict[str, Any]:
 
 
 def facet_text(facet: dict[str, Any]) -> str:
-    """The scalars of a facet for people."""
+    """Return the scalars of a facet for people."""
 
     def ratio(value: float | None) -> str:
         return "   none" if value is None else f"{value:7.3g}"

@@ -44,7 +44,7 @@ def measure_peer(peer: Peer, scenes: str = "core") -> Iterator[dict[str, Any]]:
 
 
 def judged(scene: SuiteScene, answer: Answer) -> Sequence[Metric]:
-    """The metrics of a scene from the engine's answer.
+    """Return the metrics of a scene from the engine's answer.
 
     A scene of which the engine has no words for some trials is judged by the others, unless its
     judge compares trials with each other.

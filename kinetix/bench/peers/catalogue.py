@@ -106,7 +106,7 @@ SLOW: Final[tuple[Peer, ...]] = (
 
 
 def peer_named(name: str) -> Peer:
-    """A peer by its name.
+    """Return a peer by its name.
 
     Raises:
         KinetixError: No peer has this name; the message lists those that exist.

@@ -17,7 +17,7 @@ PAIR_FRICTION: Final = 0.4 * math.sqrt(2)
 
 
 def scene_of(trial: Trial, *, inertia: InertiaModel | None = None) -> dict[str, Any]:
-    """A trial as plain JSON, in SI units.
+    """Return a trial as plain JSON, in SI units.
 
     Bodies are listed in the level's order, then those of the arena that can be felt. `friction` is
     the coefficient that two such surfaces have; `mass` 0 means fixed; bodies of one `group` (not 0)
@@ -102,7 +102,7 @@ def _body_of(level: Level, reference: BodyReference) -> Body:
 
 
 def _groups(level: Level, index: dict[BodyReference, int]) -> list[int]:
-    """Number the jointed components from 1; 0 for bodies that stand alone."""
+    """Return the number the jointed components from 1; 0 for bodies that stand alone."""
     group = list(range(len(index)))
     for joint in level.joints:
         a, b = group[index[joint.a]], group[index[joint.b]]

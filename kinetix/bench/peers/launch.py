@@ -82,7 +82,7 @@ def ask(
 
     Raises:
         PeerLateError: The job took longer than `seconds`.
-        KinetixError: The peer is not installed, or its program failed.
+        KinetixError: The engine is not installed, or its program failed.
     """
     if not peer.installed:
         raise KinetixError(f"{peer.name} is not installed: run `make bench-peers`")

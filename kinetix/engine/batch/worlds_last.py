@@ -88,7 +88,7 @@ def _run(*leaves: Array, program: BatchProgram) -> list[Array]:
 
 @functools.lru_cache(maxsize=64)
 def _alone(program: BatchProgram) -> Callable[..., list[Array]]:
-    """The primitive by itself, so that it is lowered for the device that runs it."""
+    """Return the primitive by itself, so that it is lowered for the device that runs it."""
     return jax.jit(functools.partial(_RUN.bind, program=program))
 
 
@@ -159,7 +159,7 @@ def _merge(x: Array, sizes: tuple[int, int]) -> Array:
 
 
 def _lowering(run: Callable[..., list[Array]]) -> Callable[..., Any]:
-    """The rule by which a program is lowered."""
+    """Return the rule by which a program is lowered."""
     rule = mlir.lower_fun(run, multiple_results=True)
 
     def lowered(*arguments: Any, **parameters: Any) -> Any:
@@ -170,14 +170,14 @@ def _lowering(run: Callable[..., list[Array]]) -> Callable[..., Any]:
 
 
 def _on_cpu(context: Any, *arguments: Any, program: BatchProgram) -> Any:
-    """The rule for processors: as it lies on disk, where the program is for them alone."""
+    """Return the rule for processors: as it lies on disk, where the program is for them alone."""
     alone = context.module_context.platforms == ("cpu",)
     run = _from_disk if alone and program.words else _on_processor
     return _lowering(run)(context, *arguments, program=program)
 
 
 def _on_cuda(context: Any, *arguments: Any, program: BatchProgram) -> Any:
-    """The rule for CUDA: a kernel of its own, else what any accelerator gets."""
+    """Return the rule for CUDA: a kernel of its own, else what any accelerator gets."""
     from kinetix.engine.native.launch import lowered  # here, as a processor never needs it
 
     done = lowered(context, arguments, program)

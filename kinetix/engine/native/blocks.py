@@ -115,7 +115,7 @@ class BlockWriter:
         raise AssertionError("nothing that is left of a block can be done")
 
     def _best(self, ready: Sequence[Item]) -> Item:
-        """The first that overwrites nothing that is still to be read."""
+        """Return the first that overwrites nothing that is still to be read."""
         for item in ready:
             assert item.node is not None
             if not item.node.inputs or self.to_overwrite(item.node.inputs[0], item):
@@ -123,7 +123,7 @@ class BlockWriter:
         return ready[0]
 
     def to_overwrite(self, value: Value, item: Item) -> Buffer | None:
-        """The buffer of a value, if only this item needs it any more."""
+        """Return the buffer of a value, if only this item needs it any more."""
         place = self.pen.places.get(value)
         if not isinstance(place, Buffer) or place.home is not self.block:
             return None

@@ -31,7 +31,7 @@ class CannotCompile(Exception):
 
 
 def architecture() -> str | None:
-    """The GPU's architecture, such as `sm_90`; None where there is no CUDA device."""
+    """Return the GPU's architecture, such as `sm_90`; None where there is no CUDA device."""
     try:
         device = jax.local_devices(backend="cuda")[0]
     except RuntimeError:

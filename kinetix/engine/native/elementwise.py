@@ -32,7 +32,7 @@ def c_type(dtype: np.dtype) -> str:
 
 
 def literal(value: Any, dtype: np.dtype) -> str:
-    """A number in C, exactly."""
+    """Return a number in C, exactly."""
     if dtype.kind == "b":
         return "true" if value else "false"
     if not np.issubdtype(dtype, np.floating):

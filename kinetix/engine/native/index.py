@@ -79,7 +79,7 @@ class Index:
         return self._coordinates
 
     def reshaped(self, shape: Sequence[int]) -> "Index":
-        """The same entry where the array has another shape."""
+        """Return the same entry where the array has another shape."""
         return Index(shape, flat=self.flat)
 
 

@@ -103,7 +103,7 @@ class Items:
 
 
 def made_in(node: Node) -> set[Value]:
-    """All values that the blocks of an operation make or are given."""
+    """Return all values that the blocks of an operation make or are given."""
     found: set[Value] = set()
     for block in node.blocks:
         found |= set(block.inputs)

@@ -112,5 +112,5 @@ def called(*leaves: Array, kernel: Kernel, results: Sequence[Any]) -> list[Array
 
 
 def _world_by_world(array: Any) -> tuple[int, ...]:
-    """The order of axes in which what belongs to a world lies together."""
+    """Return the order of axes in which what belongs to a world lies together."""
     return (array.ndim - 1, *range(array.ndim - 1))

@@ -1,4 +1,4 @@
-"""Where arrays lie in a world's memory: two that are never alive at once may share a place."""
+"""Allocation of arrays in a world's memory: two that are never alive at once may share a place."""
 
 import dataclasses
 from collections.abc import Iterable

@@ -20,7 +20,7 @@ class Value:
     shape: tuple[int, ...]
     dtype: np.dtype
     node: "Node | None" = None
-    """Where it comes from; None: from outside, or it is a constant."""
+    """Operation that computes it; None: an argument or a constant."""
     constant: Shaped[np.ndarray, "..."] | None = None
 
     @property

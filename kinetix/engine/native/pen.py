@@ -32,7 +32,7 @@ class Pen:
         self.places: dict[Value, Place] = {}
         self.buffers: list[Buffer] = []
         self.loops: list[tuple[int, int]] = []
-        """When each began and ended."""
+        """Start and end of each."""
         self.tables: dict[Any, str] = {}
         """Names of constant arrays."""
         self.constants: list[str] = []
@@ -56,7 +56,7 @@ class Pen:
         return f"{letter}{self._number}"
 
     def buffer(self, value: Value, home: Block) -> Buffer:
-        """Memory for a value; where it lies is decided in the end."""
+        """Return the memory for a value; where it lies is decided in the end."""
         span = Span(value.size * value.dtype.itemsize, self.time, self.time)
         buffer = Buffer(self.name("m"), value.dtype, home, span, [value])
         self.buffers.append(buffer)
@@ -127,11 +127,11 @@ class Pen:
         self.read_since = True
 
     def entries(self, value: Value) -> list[str]:
-        """The C of all entries of a small value."""
+        """Return the C of all entries of a small value."""
         return [self.read(value, Index(value.shape, flat=k)) for k in range(value.size)]
 
     def read(self, value: Value, index: Index) -> str:
-        """The C of an entry.
+        """Return the C of an entry.
 
         Raises:
             Misplaced: It is being computed by another lane.
@@ -150,7 +150,7 @@ class Pen:
         return self.computed(value, index)
 
     def computed(self, value: Value, index: Index) -> str:
-        """The C of an entry by the operation that it comes from."""
+        """Return the C of an entry by the operation that it comes from."""
         node = value.node
         assert node is not None
         rule = ELEMENTWISE.get(node.name)
@@ -224,7 +224,7 @@ class Pen:
 
 
 def _same_place(value: Value, index: Index) -> Index:
-    """The same place in an operand; on an axis of one, that one stands for all."""
+    """Return the same place in an operand; on an axis of one, that one stands for all."""
     if value.shape == index.shape:
         return index
     if value.size == 1:

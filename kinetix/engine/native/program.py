@@ -150,7 +150,7 @@ def _cond(
 
 
 def _worlds(equation: Any) -> Any:
-    """The kernel of a batch, of one world."""
+    """Return the kernel of a batch, of one world."""
     shapes = [jax.ShapeDtypeStruct(x.aval.shape, x.aval.dtype) for x in equation.invars]
     return jax.make_jaxpr(equation.params["program"].whole)(*shapes)
 

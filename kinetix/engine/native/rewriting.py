@@ -9,7 +9,7 @@ from kinetix.engine.native.model import Node, Value
 
 
 class Reader(Protocol):
-    """What takes operations."""
+    """Receiver of operations."""
 
     def add(self, name: str, inputs: list[Value], results: list[Value], **parameters: Any) -> Node:
         """Add an operation."""
@@ -55,7 +55,7 @@ def _stack(
 
 
 def _best(reduction: str, is_worse: str) -> Rule:
-    """The place of the first of the largest, or smallest."""
+    """Return the place of the first of the largest, or smallest."""
 
     def rule(
         reader: Reader, inputs: list[Value], results: list[Value], parameters: dict[str, Any]

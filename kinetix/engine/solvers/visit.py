@@ -56,7 +56,7 @@ Visit = Callable[[Twist, Targets, Any, Any, Solve], tuple[Twist, Any]]
 
 
 def at_bodies(motion: Twist, body: Int[Array, "k n"]) -> Twist:
-    """The motion of each slot's body."""
+    """Return the motion of each slot's body."""
     return take(motion, body)
 
 
@@ -67,7 +67,7 @@ def add_changes(
     change_a: Twist,
     change_b: Twist,
 ) -> Twist:
-    """All bodies after the changes of all slots."""
+    """Return all bodies after the changes of all slots."""
     count = motion.turn.shape[0]
     return motion + onto(change_a, body_a, count) + onto(change_b, body_b, count)
 

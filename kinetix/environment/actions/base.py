@@ -37,18 +37,18 @@ class AbstractAction(abc.ABC):
 
     @abc.abstractmethod
     def unified(self, action: Any) -> Float[Array, " u"]:
-        """The unified action, within its bounds."""
+        """Return the unified action, within its bounds."""
 
     @abc.abstractmethod
     def noop_action(self) -> Any:
-        """The action that drives nothing (automatic joints still run)."""
+        """Return the action that drives nothing (automatic joints still run)."""
 
     @abc.abstractmethod
     def random_action(self, key: Array) -> Any:
         """Return a random action."""
 
     def process_action(self, action: Any, labels: Labels) -> Control:
-        """The engine's control for an action.
+        """Return the engine's control for an action.
 
         Args:
             action: An element of `action_space`.

@@ -37,5 +37,5 @@ class MultiDiscreteActions(AbstractAction):
         return jnp.zeros(self.action_space.shape, jnp.int32)
 
     def random_action(self, key: Array) -> Int[Array, " u"]:
-        """Uniform over the classes of every entry."""
+        """Return a random action, uniform over the classes of every entry."""
         return self.action_space.sample(key)

@@ -110,7 +110,7 @@ def thruster_draws(rows: Float[Array, "7 t n"]) -> ThrusterDraws:
 
 
 def raw_keys(keys: Key[Array, " n"] | UInt[Array, "n 2"]) -> UInt[Array, "n 2"]:
-    """Keys of either kind as the numbers behind them."""
+    """Return keys of either kind as the numbers behind them."""
     if jnp.issubdtype(keys.dtype, jax.dtypes.prng_key):
         return jax.random.key_data(keys)
     return keys
@@ -154,7 +154,7 @@ class Tape:
         self._next = 0
 
     def take(self, *shape: int) -> Float[Array, "*r n"]:
-        """The next numbers, in this shape and the worlds last."""
+        """Return the next numbers, in this shape and the worlds last."""
         count = math.prod(shape)
         start, self._next = self._next, self._next + count
         if self._next > self._rows.shape[0]:
@@ -172,12 +172,12 @@ def between(
     low: float | Float[Array, "*r n"],
     high: float | Float[Array, "*r n"],
 ) -> Float[Array, "*r n"]:
-    """Uniform real in [low, high)."""
+    """Return uniform real in [low, high)."""
     return low + u * (high - low)
 
 
 def choose(u: Float[Array, "*q n"], weights: Float[Array, "b n"]) -> Int[Array, "*q n"]:
-    """Row drawn with these weights; meaningless where all weights of a world are 0.
+    """Return the row drawn with these weights; meaningless where all weights of a world are 0.
 
     Args:
         u: Uniform numbers; a leading axis `q` draws several times from the same weights.

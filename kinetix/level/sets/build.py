@@ -32,7 +32,7 @@ def build_set(
     split: float = DEFAULT_SPLIT,
     seed: int = 0,
 ) -> LoadedSet:
-    """A set of levels: equal ones once, none with an error, split by the seed.
+    """Return a set of levels: equal ones once, none with an error, split by the seed.
 
     Args:
         levels: What goes in; of equal levels (by hash) the first stays, with the largest weight of

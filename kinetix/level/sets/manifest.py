@@ -113,7 +113,7 @@ class LoadedSet:
 
 
 def common_capacity(levels: Iterable[Level]) -> Capacity:
-    """The element-wise largest capacity of several levels.
+    """Return the element-wise largest capacity of several levels.
 
     Raises:
         LevelError: No level is given.

@@ -173,7 +173,7 @@ def _read_manifest(
 def _without_level(
     entry: Any, index: int, file: str, inline: dict[int, Level], faults: FaultCollector
 ) -> Any:
-    """An entry without its inline level, which goes to `inline`."""
+    """Return an entry without its inline level, which goes to `inline`."""
     path = f"$.levels[{index}]"
     if not isinstance(entry, dict):
         return entry

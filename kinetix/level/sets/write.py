@@ -13,7 +13,7 @@ from kinetix.level.sets.read import check_manifest, is_set_file
 
 
 def dumps_set(loaded: LoadedSet, *, inline: bool = False) -> str:
-    """Canonical text of a set.
+    """Return the canonical text of a set.
 
     Args:
         loaded: The set.

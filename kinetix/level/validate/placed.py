@@ -25,7 +25,7 @@ class Placed:
 
 
 def placed_bodies(level: Level, broken: set[BodyReference]) -> list[Placed]:
-    """The bodies that have a place, the arena's first."""
+    """Return the bodies that have a place, the arena's first."""
     listed: list[tuple[BodyReference, Body, str]] = [
         (name, body, f"$.arena.{name}")
         for name, body in zip(ARENA_NAMES, arena_bodies(level.arena), strict=True)

@@ -84,7 +84,7 @@ def _free_tiles() -> tuple[Trial, ...]:
 
 
 def _lower() -> tuple[Trial, ...]:
-    """A tile, then one that is lower."""
+    """Place a tile, then a lower one."""
 
     def trial(kind: str, drop: float, speed: float) -> Trial:
         b = LevelBuilder("Lower neighbour", arena=False)

@@ -215,7 +215,7 @@ class PpoConfig:
         return f"{name} = {value} must be a multiple of the {devices} devices"
 
     def _shuffled_units(self) -> int:
-        """Number of environments, or of single steps, that are shuffled into minibatches."""
+        """Return the number of environments, or of steps, that are shuffled into minibatches."""
         return self.num_train_envs * (self.num_steps if self.full_minibatch_shuffle else 1)
 
     def fits_devices(self, devices: int) -> bool:

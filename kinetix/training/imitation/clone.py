@@ -93,7 +93,7 @@ class Clone:
         return "\n".join([learnt, *(f"left out: {each}" for each in self._passed_over)])
 
     def start(self) -> CloneState:
-        """The state before the first update."""
+        """Return the state before the first update."""
         key, learner_key, rows_key = jax.random.split(jax.random.PRNGKey(self._config.seed), 3)
         statistics = self.setup.start_statistics(self._teacher)
         if statistics is not None:

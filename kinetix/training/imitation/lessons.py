@@ -139,7 +139,7 @@ def _replay(env: KinetixEnv, states: EnvState, actions: Int[Array, "n t 6"]) -> 
 def _won_part(
     told: dict[str, Any], row: int, actions: np.ndarray, gamma: float
 ) -> dict[str, Any] | None:
-    """The moments of one episode up to its win; None where it is not won."""
+    """Return the moments of one episode up to its win; None where it is not won."""
     done = np.flatnonzero(told["done"][:, row])
     if not len(done) or not told["won"][done[0], row]:
         return None

@@ -270,7 +270,7 @@ class _Search:
         key: Any,
         first: int,
     ) -> list[tuple[Level, np.ndarray, int]]:
-        """Levels with the plans that may win them: as drawn, perturbed, and mirrored."""
+        """Return levels with the plans that may win them: as drawn, perturbed, and mirrored."""
         if not plans:
             return []
         chosen = jax.tree.map(lambda x: x[np.array(list(plans), int)], levels)

@@ -74,7 +74,7 @@ def contact_system(
     block: AbstractBlock,
     force: Float[Array, "c n"],
 ) -> tuple[ContactSystem, Float[Array, "g n"]]:
-    """The contacts and limits at the start of a step.
+    """Return the contacts and limits at the start of a step.
 
     Args:
         step: The worlds, what drives them, and the masses.
@@ -244,7 +244,7 @@ def _responses(
 
 
 def _masses(world: World) -> Float[Array, "b n"]:
-    """The mass of each body; 0 if it is fixed or an empty slot."""
+    """Return the mass of each body; 0 if it is fixed or an empty slot."""
     inverse = world.bodies.inverse_mass
     return jnp.where(inverse > 0, 1 / nonzero(inverse), 0) * world.bodies.active
 
@@ -294,7 +294,7 @@ def _burden(
 def _limit_directions(
     step: Step, state: State
 ) -> tuple[Links, Directions, Bool[Array, "j n"], Float[Array, "j n"]]:
-    """One row a joint with limits: the next of its two; its gap is the angle left [rad].
+    """Return one row a joint with limits: the next of its two; its gap is the angle left [rad].
 
     No row at all in a scene without limits.
     """

@@ -154,7 +154,7 @@ def joint_system(
     velocity: Velocity,
     duration: Float[Array, " n"],
 ) -> JointSystem:
-    """The joints at a pose.
+    """Return the joints at a pose.
 
     Args:
         step: The worlds, what drives them, and the masses.
@@ -231,7 +231,7 @@ def project(
     impulse: Float[Array, "k n"],
     bias: Float[Array, "k n"],
 ) -> tuple[Velocity, Float[Array, "k n"]]:
-    """The nearest velocities that satisfy all joints exactly.
+    """Return the nearest velocities that satisfy all joints exactly.
 
     Args:
         step: The worlds and their masses.

@@ -60,7 +60,7 @@ def finish(
     h: Float[Array, " n"],
     parameters: Parameters,
 ) -> State:
-    """The new state: clipped, with the impulses kept by their keys."""
+    """Return the new state: clipped, with the impulses kept by their keys."""
     bound = parameters.clip_position
     speed, spin = parameters.clip_velocity, parameters.clip_angular_velocity
     count = found.points.key.shape[0]

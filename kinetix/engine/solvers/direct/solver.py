@@ -91,7 +91,7 @@ class Direct(AbstractSolver):
         )
 
     def effort(self, world: World, state: State) -> Int[Array, " n"]:
-        """The block's rounds, then the joints, then the contact points of the last step."""
+        """Return the block's rounds, then the joints, then the contact points of the last step."""
         cache = state.cache
         points = jnp.sum(cache.key >= 0, axis=0, dtype=jnp.int32)
         joints = jnp.sum(world.joints.active, axis=0, dtype=jnp.int32)

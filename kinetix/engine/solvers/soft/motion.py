@@ -67,7 +67,7 @@ def finish(
     parameters: Parameters,
     cache: Any,
 ) -> State:
-    """The new state, clipped; pairs that pushed each other in the step count as touching."""
+    """Return the new state, clipped; pairs that pushed each other in the step count as touching."""
     bound, speed = parameters.clip_position, parameters.clip_velocity
     spin = parameters.clip_angular_velocity
     pair = jnp.where(hit, found.points.key // FEATURES, -1)

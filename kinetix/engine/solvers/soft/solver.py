@@ -123,7 +123,7 @@ def _prepared(  # noqa: PLR0913 (everything that a step depends on)
     found: Found,
     store: Store,
 ) -> tuple[Substep, SoftPhase]:
-    """The constants of a step, and the state in which its first substep begins."""
+    """Return the constants of a step, and the state in which its first substep begins."""
     setting = Setting(
         world=world,
         control=jax.tree.map(jnp.nan_to_num, control),

@@ -52,7 +52,7 @@ class Trait:
 def outside(
     u: Float[Array, "*r n"], default: float, spread: float, exclude: float | None
 ) -> Float[Array, "*r n"]:
-    """Uniform in default ± spread, without the inner interval default ± exclude."""
+    """Return a number uniform in default ± spread, without the inner interval default ± exclude."""
     if exclude is None:
         return between(u, default - spread, default + spread)
     # Both outer intervals are equally long: one number picks the side and the place.
@@ -161,14 +161,14 @@ class Creature:
         return limb
 
     def binding(self, channel: int) -> Int[Array, " n"]:
-        """The channel of a limb: its own, or drawn with random motors."""
+        """Return the channel of a limb: its own, or drawn with random motors."""
         u = self.tape.take(1)[0]
         if not self.params.random_motors:
             return jnp.full((self.worlds,), channel, jnp.int32)
         return self.random_binding(u)
 
     def random_binding(self, u: Float[Array, " n"]) -> Int[Array, " n"]:
-        """A drawn channel; Q11: kinetix-env never draws the last one."""
+        """Return a drawn channel; Q11: kinetix-env never draws the last one."""
         quirks = self.params.kinetix_quirks
         return among(u, PEER_RANDOM_BINDINGS if quirks else MOTOR_BINDINGS)
 

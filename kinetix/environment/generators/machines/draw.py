@@ -26,7 +26,7 @@ OVERLAP: Final = "W202"
 
 
 def random_machine(dice: random.Random, size: str, families: Sequence[Family] = ()) -> Level:
-    """A level with a random machine.
+    """Return a level with a random machine.
 
     Args:
         dice: All that is random.
@@ -49,7 +49,7 @@ def random_machine(dice: random.Random, size: str, families: Sequence[Family] = 
 
 
 def _drawn(dice: random.Random, size: str, family: Family) -> Level | None:
-    """A level, or nothing if it is too large or shapes are in each other's way."""
+    """Return a level, or nothing if it is too large or shapes are in each other's way."""
     shop = Workshop(dice, LevelBuilder(family.__name__))
     family(shop)
     stand(shop)
@@ -79,7 +79,7 @@ def _neighbour(shop: Workshop, family: Family) -> None:
 
 
 def _in_its_arena(shop: Workshop) -> Level:
-    """The level with what is deadly of the arena; one of ten has another gravity."""
+    """Return the level with what is deadly of the arena; one of ten has another gravity."""
     level = shop.build.build()
     parts = {
         name: msgspec.structs.replace(getattr(level.arena, name), role=role)

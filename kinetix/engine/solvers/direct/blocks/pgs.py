@@ -147,12 +147,12 @@ class _Sweep:
     def _wanted(
         self, index: Int[Array, ""], speed: Float[Array, " n"], old: Float[Array, " n"]
     ) -> Float[Array, " n"]:
-        """The impulse that would bring a row to rest, the others held."""
+        """Return the impulse that would bring a row to rest, the others held."""
         speed = speed + _at(self.offset, index) + _at(self.responses.compliance, index) * old
         return old - speed * _at(self.responses.inverse_own, index)
 
     def _point(self, k: Int[Array, ""], carry: tuple) -> tuple:
-        """The tangent row of a contact, then its normal row."""
+        """Return the tangent row of a contact, then its normal row."""
         impulse, motion = carry
         responses, cone = self.responses, self.cone
         along = cone.friction.shape[0] + k
