@@ -261,7 +261,12 @@ def counted(tree):
 
 def stands(words, said):
     """Return whether words occur, and are no part of longer words."""
-    return words in said and re.search(rf"(?<![a-zé]){re.escape(words)}(?![a-zé])", said)
+    at = said.find(words)
+    while at >= 0:
+        if not said[at - 1].isalpha() and not said[at + len(words) : at + len(words) + 1].isalpha():
+            return True
+        at = said.find(words, at + 1)
+    return False
 
 
 def composed(piece, said):
