@@ -64,7 +64,9 @@ def cut(session: Session) -> None:
     ids = _unlocked(session)
     found = clip.copied(session.document.level, ids)
     if not found.bodies:
-        raise CommandError("Only shapes can be cut, with what hangs on them: Delete removes it.")
+        raise CommandError(
+            "Only shapes can be cut, with their joints and thrusters: Delete removes those alone."
+        )
     session.clipboard.set(clip.dumps(found))
     before = {joint.id for joint in session.document.level.joints}
     if not session.execute(Remove(ids=tuple(body.id for body in found.bodies))).changed:
@@ -120,7 +122,7 @@ def duplicate(session: Session) -> None:
     """
     found = clip.copied(session.document.level, session.selection)
     if not found.bodies:
-        raise CommandError("Only shapes can be duplicated, with what hangs on them.")
+        raise CommandError("Only shapes can be duplicated, with their joints and thrusters.")
     session.execute(clip.Paste(clip=found, shift=PASTE_SHIFT, verb="Duplicate"))
 
 

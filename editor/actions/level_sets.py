@@ -179,7 +179,7 @@ def export_now(session: Session) -> None:
     bad = refused_in_set(session)
     if bad:
         name = next(iter(bad.values()))
-        raise CommandError(f"{name} has an error or is gone: mend it, or leave it out.")
+        raise CommandError(f"{name} has an error or is gone: repair it, or leave it out.")
 
     def answer(path: Path | None) -> None:
         if path is not None:

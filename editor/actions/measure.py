@@ -337,7 +337,7 @@ def keep_results(session: Session) -> None:
     if fault:
         session.toast(
             f"{fault}. Its results are not shown. The next result replaces the file; the old one "
-            "is kept as a .bak file beside it.",
+            "is kept as a .bak file beside it",
             "warning",
         )
     ended = session.viewer.evaluation.ended

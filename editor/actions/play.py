@@ -76,7 +76,7 @@ def _offer_to_keep(session: Session) -> None:
     steps = plural(session.playback.step_count, "step")
     session.messages.withdraw("level.keep_solution")
     session.messages.toast(
-        f"Won in {steps}: shall that be the level's solution?",
+        f"Won in {steps}: use this as the level's solution?",
         "success",
         action="level.keep_solution",
         offered=lambda: solution.can_keep(session),

@@ -123,7 +123,7 @@ class Workplace:
             if self._restore(settings.layouts[asked.layout]):
                 self._laid_out = True
             else:
-                self.session.complain(f"{asked.layout} is from an older version: keep it anew.")
+                self.session.complain(f"{asked.layout} is from an older version: save it again.")
             asked.layout = ""
 
     def rescale(self, ratio: float) -> None:

@@ -128,7 +128,7 @@ def _written(out: Path, episodes: Iterable[RecordedEpisode], capacity: Capacity)
                 f"{episode.level.name}: left out: played again from its controls alone, it ends "
                 f"otherwise than {episode.outcome} after {plural(episode.length, 'step')}: a body "
                 "was pulled at, or it was played in a step that rounds differently; record the "
-                "level anew with `kinetix dataset record`"
+                "level again with `kinetix dataset record`"
             )
             continue
         if episode.length > STEPS:

@@ -23,7 +23,7 @@ def refuse_fork() -> None:
         KinetixError: This is one.
     """
     refuse_forked_process(
-        'start it anew, as gymnasium.make_vec(…, vectorization_mode="async", '
+        'start it again, as gymnasium.make_vec(…, vectorization_mode="async", '
         'vector_kwargs={"context": "spawn"}), AsyncVectorEnv(…, context="spawn") or '
         'SubprocVecEnv(…, start_method="spawn") do; or step a batch in one process, with '
         "gymnasium.make_vec as it is"

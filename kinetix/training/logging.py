@@ -147,7 +147,7 @@ def _named(path: Path) -> Iterator[None]:
     except OSError as error:
         why = error.strerror or str(error)
         raise FileError(
-            path, f"cannot be written: {why}; after that is mended, the same command goes on"
+            path, f"cannot be written: {why}; once that is repaired, the same command continues"
         ) from error
 
 

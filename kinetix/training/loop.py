@@ -128,7 +128,7 @@ def _refuse_divergence(numbers: Mapping[str, float], update: int) -> None:
     if not math.isfinite(numbers.get(GRADIENT, 0.0)):
         raise KinetixError(
             f"update {update}: the gradient is not finite, the training has diverged; what is "
-            "stored of the run is kept. Train anew, or from a checkpoint (--from), with a smaller "
+            "stored of the run is kept. Train again, or from a checkpoint (--from), with a smaller "
             "learning_rate or max_grad_norm"
         )
 
@@ -238,6 +238,6 @@ def save(run: Training, state: Any, progress: StoredProgress, results: Mapping[s
     try:
         write_checkpoint(target, agent.card, agent.params["params"], extra=beside)
     except KinetixError as error:
-        told = f"{error}; after that is mended, the same command goes on"
+        told = f"{error}; once that is repaired, the same command continues"
         raise KinetixError(told) from None
     forget_older(run.out)

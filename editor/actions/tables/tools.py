@@ -92,7 +92,7 @@ SWITCHES: Final = tuple(
             "run.restart_automatically",
             "Restart Automatically",
             "Run",
-            "Start anew a second after the end.",
+            "Restart one second after the end.",
             "restart_automatically",
         ),
     )

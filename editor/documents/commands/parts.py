@@ -100,7 +100,7 @@ PARTS: Final[dict[str, tuple[str, str, Callable[[], Clip]]]] = {
     "arm": ("Arm", "Two links on a fixed foot, a key and limits for each joint.", arm),
     "rope": (
         "Rope",
-        "Eight free links that hang on a fixed point.",
+        "Eight free links attached to a fixed point.",
         functools.partial(_chain, 8, 0.15, 0.05, posts=1),
     ),
     "bridge": (

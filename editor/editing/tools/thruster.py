@@ -48,7 +48,7 @@ class ThrusterTool(Tool):
 
     id = "thruster"
     label = "Thruster"
-    hint = "Press on a shape and drag where it shall be pushed. Ctrl: any angle."
+    hint = "Press on a shape and drag in the direction of the push. Ctrl: any angle."
     click_click = True
     creates = True
 

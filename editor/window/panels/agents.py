@@ -144,7 +144,8 @@ class AgentsPanel(Panel):
         widgets.probe(session, f"agents.checkpoint.{slot}")
         widgets.tooltip(
             "Checkpoint",
-            f"{len(known)} of this run. What plays starts anew: the same level, the same draws.",
+            f"{len(known)} of this run. The episode restarts with the same level and the same "
+            "random numbers.",
         )
         if moved and chosen != place and not session.viewer.slots[slot].loading:
             target = known[chosen]

@@ -24,8 +24,8 @@ def training_part(levels: Sequence[SetLevel]) -> list[SetLevel]:
     chosen = [each for each in levels if each.split != "eval"]
     if levels and not chosen:
         raise LevelError(
-            f"{plural(len(levels), 'level')} for evaluation, none to train on: draw the split "
-            "anew with `kinetix levelset split SET --seed 0`, or give the levels without a set"
+            f"{plural(len(levels), 'level')} for evaluation, none to train on: draw another "
+            "split with `kinetix levelset split SET --seed 0`, or give the levels without a set"
         )
     return chosen
 

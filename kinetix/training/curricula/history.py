@@ -81,7 +81,7 @@ class History:
                 self._ledger = Ledger.of_arrays(read_slots(run, update), slots)
                 self._shown = {one.serial for one in read_page(run, update).head.levels}
             except (KinetixError, ValueError) as error:
-                say(f"the curriculum's history begins anew: {error}")
+                say(f"the curriculum's history starts over: {error}")
 
     def follow(self, update: int, state: Any, *, page: bool) -> None:
         """Take in an update.

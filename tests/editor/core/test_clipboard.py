@@ -36,4 +36,4 @@ def test_cut_says_which_joints_go_with_the_shapes(session, hand):
 def test_what_cannot_be_duplicated_says_so(session, hand, chosen):
     session.selection = chosen
     hand.key("d", ctrl=True)
-    assert texts(session) == ["Only shapes can be duplicated, with what hangs on them."]
+    assert texts(session) == ["Only shapes can be duplicated, with their joints and thrusters."]

@@ -178,7 +178,7 @@ SENTENCES = (
     "9 circles (it knows 8) and 1 joint (it knows 0). The planner plays instead.",
     "Update 5, SFL, 1 000 environment steps: the best 3 of 10 levels; "
     "2 came, 3 left since the page before",
-    "#3   Update 5: learnt; the buffer was filled anew. It was won 95% of the time by then.",
+    "#3   Update 5: learnt; the buffer was refilled. It was won 95% of the time by then.",
     "#3   Update 5: #4 took its place with a better score, its own was 0.300.",
     "score 0.1\nlearnability 0.100\nwon 50% of 3 episodes\ncame in at update 3, 2 ago\n"
     "edited from #3, from #4, from #5\nClick: the newest agent plays it.",
