@@ -134,7 +134,7 @@ def advance(
     *,
     deterministic: bool = False,
 ) -> Episodes:
-    """Return some environment steps of every episode; those that are over count no more.
+    """Play some environment steps of every episode; those that are over count no more.
 
     Args:
         env: The environment.

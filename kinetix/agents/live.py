@@ -56,7 +56,7 @@ def play_step(  # noqa: PLR0913 - everything that one step of a watched episode 
     *,
     deterministic: bool = False,
 ) -> tuple[EnvState, Any, Thought, dict[str, Array]]:
-    """Return one environment step of one episode.
+    """Play one environment step of one episode.
 
     The player decides in every step, so that its memory goes on while somebody else drives.
 

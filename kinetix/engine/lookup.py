@@ -61,7 +61,7 @@ def take_pair(values: T, first: Int[Array, "k n"], second: Int[Array, "k n"]) ->
 def _gather(
     values: Shaped[Array, "rows *rest n"], index: Int[Array, "k n"]
 ) -> Shaped[Array, "k *rest n"]:
-    """Return one gather from the table as one long row, written directly.
+    """Gather from the table as one long row, written directly.
 
     Worlds as a batch axis of the gather would be joined to the indices first, and what
     `take_along_axis` adds for negative indices is a large part of the time that compiling takes.

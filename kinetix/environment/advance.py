@@ -74,7 +74,7 @@ def advance(
 
 
 def _play(state: EnvState, control: Control, params: EnvParams, static: StaticEnvParams) -> _Played:
-    """Return all physics steps of one action; what counts is the first one with a touch."""
+    """Play all physics steps of one action; what counts is the first one with a touch."""
     engine = physics_engine(static)
     parameters = engine_parameters(params)
     world = state.world

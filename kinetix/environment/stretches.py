@@ -76,7 +76,7 @@ class Round:
 
 
 def stretches(task: Task) -> Iterator[Round]:
-    """One round a pass, each with other draws, without end.
+    """Yield one round per pass, each with other random numbers, without end.
 
     A pass goes from the start to the time limit, or from where a plan really leads that won in the
     batch only.
@@ -95,7 +95,7 @@ def stretches(task: Task) -> Iterator[Round]:
 
 
 def _pass(task: Task, start: EnvState, guide: Int[np.ndarray, "k 6"], followed: int) -> Round:
-    """Return one pass; the first attempt goes on with the guide's actions as far as they last."""
+    """Do one pass; the first attempt goes on with the guide's actions as far as they last."""
     states = jax.tree.map(lambda x: jnp.broadcast_to(x, (BATCH, *jnp.shape(x))), start)
     parents = np.arange(BATCH)
     plans = np.repeat(guide[None, :followed], BATCH, axis=0)

@@ -156,7 +156,7 @@ def loss(network: nn.Module, params: Any, batch: Any) -> jax.Array:
 
 
 def play(network: nn.Module, step: Step, params: Any, carry: Any, key: jax.Array) -> tuple:
-    """Return one step of all environments, and the row that is learnt from."""
+    """Play one step of all environments; returns it and the row to learn from."""
     seen, state = carry
     act_key, step_key = jax.random.split(key)
     logits, value = network.apply(params, seen)

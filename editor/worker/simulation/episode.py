@@ -58,7 +58,7 @@ class HandDriver:
         jax.block_until_ready(self.step(state, step, NOOP).state)
 
     def step(self, state: EnvState, step: int, hand: Action | None) -> Step:
-        """Return one environment step; see `AgentDriver.step`."""
+        """Play one environment step; see `AgentDriver.step`."""
         del step
         action = jax.device_put(np.asarray(NOOP if hand is None else hand, np.int32))
         state, info = self._stepper.step(state, action)

@@ -160,7 +160,7 @@ def _run(
 def _advance(
     env: KinetixEnv, states: EnvState, before: Array, index: Array, attempts: _Attempts
 ) -> _Attempts:
-    """Return one environment step of every attempt."""
+    """Play one environment step of every attempt."""
     t = before + index
     actions = jax.lax.dynamic_index_in_dim(attempts.plans, t, axis=2, keepdims=False)
     key = jax.random.key(0)  # nothing in a step of one level is random

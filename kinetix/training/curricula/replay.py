@@ -104,7 +104,7 @@ class Replay:
         )
 
     def update(self, state: Any) -> tuple[Any, dict[str, Array]]:
-        """Return one step: new levels, a replay, or mutations of the last replay.
+        """Do one step: new levels, a replay, or mutations of the last replay.
 
         Args:
             state: From `start` or the last update.

@@ -62,7 +62,7 @@ class Ppo:
         )
 
     def update(self, state: Any) -> tuple[Any, dict[str, Array]]:
-        """Return one rollout and what is learnt from it.
+        """Do one rollout and learn from it.
 
         Args:
             state: From `start` or the last update.
