@@ -78,7 +78,7 @@ def _size(text: str | None) -> tuple[int, int]:
 
 
 def _welcome() -> Path | None:
-    """The level that the app opens on when none is named, and none was open last time."""
+    """Return the level that the app opens on when none is named, and none was open last time."""
     for name in ("l/rover_ridge", "s/first_flight"):
         path = levels_dir() / f"{name}.json"
         if os.path.isfile(path):
@@ -107,7 +107,7 @@ def _check(options: Options) -> None:
     """Refuse options that contradict each other or are out of range, before anything is opened.
 
     Raises:
-        KinetixError: They do, or are.
+        KinetixError: The options contradict each other or are out of range.
     """
     if options.serve and (options.replay is not None or options.bench):
         raise KinetixError("--serve shows the app to a person: leave out --replay and --bench")
@@ -240,7 +240,7 @@ def _until_closed(session: Session, host: "PygameHost") -> None:
 def _open_files(options: Options, session: Session) -> None:
     from editor.actions import address, guide, recover
 
-    # A replay is asked nothing, and so whoever records one is not either.
+    # Replays are asked nothing, so recordings are not either.
     asks = options.replay is None and options.record is None
     if not options.files:
         if asks:
@@ -264,9 +264,9 @@ def _open_files(options: Options, session: Session) -> None:
 
 
 def _tell_of_settings(session: Session) -> None:
-    """Say what of the user's own settings and languages could not be read.
+    """Report which of the user's settings and languages could not be read.
 
-    The first change of a setting writes its file anew.
+    The first change of a setting replaces its file.
     """
     from editor.actions import file
     from editor.base import language
@@ -275,8 +275,8 @@ def _tell_of_settings(session: Session) -> None:
         session.toast(fault, "warning")
     if session.keeper.fault:
         told = (
-            f"{session.keeper.fault}. The app starts with the usual settings. Mend the file now: "
-            "it will be written anew, and then the old one is a .bak file beside it"
+            f"{session.keeper.fault}. The app starts with the default settings. Repair the file "
+            "now: it will be replaced, and the old one is then kept as a .bak file beside it"
         )
         file.tell(session, "Preferences cannot be read", told)
 

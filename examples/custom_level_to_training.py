@@ -15,7 +15,7 @@ BUDGET: Final = 262_144
 
 
 def ramp_roller() -> Level:
-    """A motorised wheel with a green rider; the blue ball waits on the right."""
+    """Return a motorised wheel with a green rider; the blue ball waits on the right."""
     board = Polygon(vertices=((0.3, 0.08), (-0.3, 0.08), (-0.3, -0.08), (0.3, -0.08)))
     return Level(
         name="Ramp roller",

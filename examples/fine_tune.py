@@ -21,7 +21,7 @@ def first_step(run: Path, longest: int) -> int:
 
 
 def curve(run: Path, begin: int, window: int = 5) -> Curve:
-    """A run's learning curve: the share of solved episodes over a few updates.
+    """Return a run's learning curve: the share of solved episodes over a few updates.
 
     It begins at the step from which no first episode can be going on any more: until then those
     that are over are the short ones, which are mostly wins.

@@ -64,7 +64,7 @@ class ActorCritic(nn.Module):
 
     @nn.compact
     def __call__(self, obs: jax.Array) -> tuple[jax.Array, jax.Array]:
-        """Logits and value."""
+        """Return the logits and the value."""
 
         def stack(outputs: int, gain: float) -> jax.Array:
             x = obs
@@ -115,7 +115,7 @@ class Transition(NamedTuple):
 
 
 def make_env(size: str, levels: list[str], physics: str) -> tuple[Any, EnvParams]:
-    """The environment on random levels of a size, or on listed levels that fit it."""
+    """Return the environment on random levels of a size, or on listed levels that fit it."""
     env_params = EnvParams(dense_reward_scale=0.2)
     static = static_env_params_from_size(size, physics=physics)
     if levels:
@@ -127,7 +127,7 @@ def make_env(size: str, levels: list[str], physics: str) -> tuple[Any, EnvParams
 
 
 def make_train(config: Config, env: Any, env_params: EnvParams) -> Callable[[jax.Array], Any]:
-    """The whole training as one function of a key, to be compiled and mapped over seeds."""
+    """Return the whole training as one function of a key, to be compiled and mapped over seeds."""
     sizes = env.action_space(env_params).number_of_dims_per_distribution
     network = ActorCritic(sum(sizes), config.width)
     reset = jax.vmap(env.reset, in_axes=(0, None))

@@ -52,18 +52,18 @@ class KinetixVecEnv(VecEnv):
         return observation, reward, done, infos
 
     def get_images(self) -> list[np.ndarray | None]:
-        """A picture of every environment."""
+        """Return a picture of every environment."""
         return list(self.batch.render() or ())
 
     def close(self) -> None:
-        """Nothing is open."""
+        """Do nothing: nothing is open."""
 
     def get_attr(self, attr_name: str, indices: Any = None) -> list[Any]:
-        """The same for all."""
+        """Return an attribute, the same for all environments."""
         return [getattr(self, attr_name)] * self.num_envs
 
     def set_attr(self, attr_name: str, value: Any, indices: Any = None) -> None:
-        """The same for all."""
+        """Set an attribute, the same for all environments."""
         setattr(self, attr_name, value)
 
     def env_method(self, method_name: str, *arguments: Any, **options: Any) -> list[Any]:
@@ -71,7 +71,7 @@ class KinetixVecEnv(VecEnv):
         raise NotImplementedError(method_name)
 
     def env_is_wrapped(self, wrapper_class: type, indices: Any = None) -> list[bool]:
-        """Nothing is wrapped."""
+        """Return that no environment is wrapped."""
         return [False] * self.num_envs
 
 

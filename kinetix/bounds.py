@@ -16,7 +16,7 @@ LAST_SEED: Final = 2**32 - 1
 
 
 class Bound(NamedTuple):
-    """Fields that share a bound, what a sentence says of it, and the test."""
+    """Fields that share a bound, its words in messages, and the test."""
 
     names: tuple[str, ...]
     expected: str

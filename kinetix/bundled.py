@@ -24,7 +24,7 @@ def refuse_empty(word: str | Path, expected: str) -> None:
         expected: What it should be.
 
     Raises:
-        LevelError: It is empty.
+        LevelError: The word is empty.
     """
     if not str(word):
         raise LevelError(f'"": expected {expected}, got an empty word')
@@ -92,7 +92,7 @@ def agent_hint(name: str | Path, others: Iterable[str] = ()) -> str:
 
 
 def _within(plain: Path, folder: str) -> Path:
-    """The path without the name of the bundled folder in front."""
+    """Return the path without the name of the bundled folder in front."""
     parts = plain.parts
     return Path(*parts[1:]) if len(parts) > 1 and parts[0] == folder else plain
 

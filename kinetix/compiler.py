@@ -13,7 +13,7 @@ from collections.abc import Mapping, MutableMapping
 from typing import Final
 
 DECLINED: Final = "KINETIX_COMPILER_OPTIONS"
-"""Variable that leaves XLA as it is when it says 0."""
+"""Variable that leaves XLA as it is if it is 0."""
 _ON_PROCESSORS: Final = {
     # Worlds are lanes, so kernels are loops over 16 numbers at a time where the processor has room.
     "--xla_cpu_prefer_vector_width": "512",
@@ -32,7 +32,7 @@ _QUICKER: Final = {
     # An eighth less time to compile a step, which runs as fast.
     "--xla_backend_optimization_level": "1",
 }
-"""Flags for machines without an accelerator, whose programs this level would be for as well."""
+"""Flags for CPU-only machines; elsewhere this level would apply to GPU programs too."""
 _PLUGINS: Final = ("jax_plugins", "libtpu")
 """Packages, one of which is there where JAX may find an accelerator."""
 

@@ -1,4 +1,4 @@
-"""All cores of a processor: JAX computes on one of them unless it is told, before it starts.
+"""All cores of a processor: JAX uses one of them unless it is configured before it starts.
 
 JAX sees a processor as so many devices as it was asked for. One device does little work in
 parallel, so each core gets one. On a GPU or a TPU none of this matters.
@@ -12,7 +12,7 @@ from typing import Final
 from kinetix.errors import KinetixError
 
 CORES: Final = "KINETIX_CORES"
-"""Variable that says how many cores to use; 1 leaves everything on one."""
+"""Variable with the number of cores to use; 1 leaves everything on one."""
 _FLAG: Final = "--xla_force_host_platform_device_count"
 _UNSET: Final = -1
 
@@ -25,13 +25,13 @@ def available_cores() -> int:
 
 
 def wanted_cores(variables: Mapping[str, str] = os.environ) -> int:
-    """Read how many cores to use: what the variable `KINETIX_CORES` says, else all of them.
+    """Read the number of cores to use: the variable `KINETIX_CORES`, else all of them.
 
     Args:
         variables: The variables of the process.
 
     Raises:
-        KinetixError: It is not a number of cores.
+        KinetixError: The value is not a number of cores.
     """
     text = variables.get(CORES, "").strip()
     return available_cores() if not text else _checked(text, CORES)
@@ -44,7 +44,7 @@ def use_all_cores(cores: int | None = None, *, unless_started: bool = False) -> 
     number of devices that was set in one of JAX's own ways stays, unless `cores` is given.
 
     Args:
-        cores: How many; None: what the variable `KINETIX_CORES` says, else all of them.
+        cores: How many; None: the variable `KINETIX_CORES`, else all of them.
         unless_started: Whether a JAX that has started already goes on as it is.
 
     Raises:
@@ -82,7 +82,7 @@ def narrow_cores(fits: Callable[[int], bool]) -> None:
     """Use fewer cores than were asked for, where work has no equal shares for so many.
 
     Args:
-        fits: Tells whether that many have equal shares.
+        fits: Returns whether that many have equal shares.
     """
     import jax
 
@@ -97,7 +97,7 @@ def check_cores(cores: int | None) -> None:
     """Make sure that a number of cores is one; None stands for all of them.
 
     Raises:
-        KinetixError: It is less than one.
+        KinetixError: `cores` is less than one.
     """
     if cores is not None:
         _checked(str(cores), "cores")

@@ -35,7 +35,7 @@ class KinetixError(Exception):
     """Base of every error that this project raises on purpose; prints as one plain line."""
 
     def __str__(self) -> str:
-        """Return the sentence, safe to print whatever the file that it is about says."""
+        """Return the sentence, safe to print whatever the file contains."""
         return plain(super().__str__())
 
 
@@ -66,7 +66,7 @@ def one_sentence() -> Iterator[None]:
     """End a script with status 1 and the sentence alone where an error of ours comes out of it.
 
     Raises:
-        SystemExit: One did.
+        SystemExit: An error of ours was raised in the block.
     """
     try:
         yield

@@ -46,7 +46,7 @@ def _terminate(*_: object) -> None:
 
 @contextlib.contextmanager
 def signals_to(handler: Callable[..., None], *numbers: int) -> Iterator[None]:
-    """Let a function take signals inside; then those have them who had them before.
+    """Install a handler for the block; the previous handlers are restored afterwards.
 
     Outside the main thread, where Python takes no signals, nothing changes.
 
@@ -147,8 +147,8 @@ def guarded(command: Callable[[], int], *, name: str, words: Sequence[str]) -> i
         words: The command line, for the crash report.
 
     Returns:
-        The exit status: the command's own, or 1 after an error, 130 after Ctrl+C, 141 where whoever
-        read what is printed has had enough, 143 after SIGTERM.
+        The exit status: the command's own, or 1 after an error, 130 after Ctrl+C, 141 if the
+        process that read what is printed has had enough, 143 after SIGTERM.
     """
     _open_streams()
     for stream in (sys.stdout, sys.stderr):
@@ -157,7 +157,7 @@ def guarded(command: Callable[[], int], *, name: str, words: Sequence[str]) -> i
         status = command()
         sys.stdout.flush()
     except BrokenPipeError:
-        # Whoever read has had enough (`| head -1`). Python would complain once more at its end.
+        # The reader has had enough (`| head -1`). Python would complain once more at its end.
         mute(sys.stdout)
         return UNREAD
     except BaseException as error:
@@ -190,7 +190,7 @@ def mute(stream: TextIO) -> None:
 def _open_streams() -> None:
     """Let what was closed before the start (`>&-`) lead nowhere.
 
-    A file that is opened would take its number, and get what libraries have to say.
+    A file that is opened would take its number, and receive the messages of libraries.
     """
     for number in range(3):
         try:
@@ -238,7 +238,7 @@ def _cannot_compute() -> bool:
 
 
 def crash_sentence(error: BaseException, name: str, words: Sequence[str]) -> str:
-    """Write a crash report and say where it is.
+    """Write a crash report and print its path.
 
     Args:
         error: What nobody expected.
@@ -297,7 +297,7 @@ def report_text(error: BaseException, words: Sequence[str]) -> str:
 
 
 def _without_paths(text: str) -> str:
-    """Return a text in which paths say nothing about the machine and its user."""
+    """Return a text in which paths reveal nothing about the machine and its user."""
     package = Path(__file__).resolve().parent
     known = {str(package.parent): "<kinetix>", sys.prefix: "<python>", sys.base_prefix: "<python>"}
     with contextlib.suppress(RuntimeError):

@@ -6,7 +6,7 @@ from typing import Final
 
 from kinetix.errors import KinetixError
 
-SPAWN: Final = 'start it anew, as multiprocessing.get_context("spawn") does'
+SPAWN: Final = 'start it again, as multiprocessing.get_context("spawn") does'
 """Advice for error messages: how to start the process without a fork."""
 _FORKED: Final[list[int]] = []
 """Grows in a process whose parent had started JAX, and so its threads."""
@@ -18,7 +18,7 @@ def _note() -> None:
 
 
 def _runs() -> bool:
-    """Return whether JAX has started; where this version does not tell, whether it is imported."""
+    """Return whether JAX has started; if this version cannot report it, whether it is imported."""
     if "jax" not in sys.modules:
         return False
     bridge = sys.modules.get("jax._src.xla_bridge")

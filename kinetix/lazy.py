@@ -1,4 +1,4 @@
-"""Names that are imported on first use, and what is said of names that do not exist."""
+"""Names that are imported on first use, and the error for names that do not exist."""
 
 import importlib
 from collections.abc import Callable, Iterable, Mapping

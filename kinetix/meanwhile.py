@@ -1,4 +1,4 @@
-"""Settings of the whole process that several threads want changed for a while."""
+"""A process-wide setting that several threads change for a while."""
 
 import contextlib
 import threading
@@ -6,10 +6,10 @@ from collections.abc import Callable, Iterator
 
 
 class Meanwhile:
-    """A change that the first thread makes and the last one takes back."""
+    """A change that is applied when the first thread enters and undone when the last leaves."""
 
     def __init__(self, change: Callable[[], Callable[[], None]]) -> None:
-        """Make nothing yet.
+        """Prepare the change without making it.
 
         Args:
             change: Makes the change, and returns what takes it back.

@@ -9,7 +9,7 @@ from pathlib import Path
 def available_memory(told: Path = Path("/proc/meminfo")) -> int:
     """Return what programs may still take without swapping [bytes].
 
-    Where the system does not tell, as macOS: all that the machine has.
+    If the system does not report it, as on macOS: all memory of the machine.
 
     Args:
         told: Linux's table of its memory.

@@ -30,35 +30,35 @@ def levels_dir() -> Path:
 
 
 def checkpoints_dir() -> Path:
-    """Folder of the bundled agents."""
+    """Return the folder of the bundled agents."""
     return _bundled("checkpoints")
 
 
 def docs_dir() -> Path:
-    """Folder of the documents in a checkout; an installation has none."""
+    """Return the folder of the documents in a checkout; an installation has none."""
     return _bundled("docs")
 
 
 def user_levels_dir() -> Path:
-    """Folder in which the user's own levels are looked for and put; it need not exist."""
+    """Return the folder of the user's own levels; it need not exist."""
     return Path(platformdirs.user_documents_dir()) / "Kinetix"
 
 
 def user_agents_dir() -> Path:
-    """Folder in which agents that the editor trains are put; it need not exist."""
+    """Return the folder of agents that the editor trains; it need not exist."""
     return Path(platformdirs.user_data_dir(_APP, appauthor=False)) / "agents"
 
 
 def cache_dir() -> Path:
-    """Folder for what can be made anew (compiled functions, thumbnails)."""
+    """Return the folder for what can be rebuilt (compiled functions, thumbnails)."""
     return Path(platformdirs.user_cache_dir(_APP, appauthor=False))
 
 
 def config_dir() -> Path:
-    """Folder for the user's settings."""
+    """Return the folder for the user's settings."""
     return Path(platformdirs.user_config_dir(_APP, appauthor=False))
 
 
 def state_dir() -> Path:
-    """Folder for autosaves, logs and recent files."""
+    """Return the folder for autosaves, logs and recent files."""
     return Path(platformdirs.user_state_dir(_APP, appauthor=False))

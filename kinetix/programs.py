@@ -1,7 +1,8 @@
 """Compiled programs that are not needed any more are dropped before there is no room for others.
 
 A program takes hundreds to thousands of memory maps, and Linux gives a process 65 530. Without one
-left, LLVM says that it cannot allocate memory, and a program that is read from the cache crashes.
+left, LLVM reports that it cannot allocate memory, and a program that is read from the cache
+crashes.
 """
 
 import gc
@@ -11,9 +12,9 @@ from pathlib import Path
 from typing import Final
 
 _MOST: Final = 30_000
-"""So many maps, 60 levels' programs of 2.5 GB, leave room for all until the next look."""
+"""Programs are dropped above this many memory maps (about 60 levels, 2.5 GB)."""
 _MORE: Final = 5_000
-"""Programs in use cannot be dropped; after so many further maps dropping is tried again."""
+"""Programs in use cannot be dropped; after this many more maps dropping is tried again."""
 _LOOK_SECONDS: Final = 5.0
 
 

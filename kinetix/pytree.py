@@ -11,7 +11,7 @@ T = TypeVar("T")
 
 
 def static(**options: Any) -> Any:
-    """A field that is part of the structure: compared and hashed, never traced.
+    """Return a field that is part of the structure: compared and hashed, never traced.
 
     Args:
         **options: Those of `dataclasses.field`, such as `default`.

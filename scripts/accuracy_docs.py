@@ -1,4 +1,4 @@
-"""Write the tables of docs/accuracy.md anew from the rows in bench/accuracy/ and bench/peers/."""
+"""Write the tables of docs/accuracy.md again from the rows in bench/accuracy/ and bench/peers/."""
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -39,7 +39,7 @@ def main() -> None:
 
 
 def _told(name: str, ours: Rows) -> str:
-    """The engine's name, told apart from a method of ours of the same name."""
+    """Return the engine's name, told apart from a method of ours of the same name."""
     return f"{name} (package)" if name in ours else name
 
 
@@ -56,7 +56,7 @@ def _place(file: Path) -> tuple[int, str]:
 
 
 def summary(results: Rows) -> str:
-    """A line an engine: counts of verdicts and class errors."""
+    """Return a line an engine: counts of verdicts and class errors."""
     lines = [
         "| physics | scenes | good | ok | fail | " + " | ".join(SCENE_CLASSES) + " |",
         "| --- |" + " ---: |" * (4 + len(SCENE_CLASSES)),

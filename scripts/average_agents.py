@@ -23,7 +23,7 @@ ONE_AGENTS: Final = ("environment_steps", "env_steps", "wall_time")
 
 
 def averaged(agents: list[Agent], frame_skip: int | None = None) -> Agent:
-    """An agent with the means of all parameters and the description of the last one.
+    """Return an agent with the means of all parameters and the description of the last one.
 
     Its results and how long it was trained for are left out: they are of that one alone.
     `averaged` among the facts about training holds the digests of all.

@@ -1,8 +1,8 @@
-"""Write the bundled levels anew: `python -m scripts.build_levels [NAME …]`.
+"""Write the bundled levels again: `python -m scripts.build_levels [NAME …]`.
 
 A level whose content did not change keeps its recorded solution; a level without one is tagged
 `unsolved` until `kinetix solve --write` finds one. Difficulties are those that were measured
-(`scripts.difficulty`), else the builders' estimates. The level sets are made anew as well.
+(`scripts.difficulty`), else the builders' estimates. The level sets are rebuilt as well.
 """
 
 import sys
@@ -49,7 +49,7 @@ def built() -> Iterator[tuple[str, Level]]:
 
 
 def with_proof(level: Level, path: Path) -> Level:
-    """The level with the solution that its file records, or tagged `unsolved`."""
+    """Return the level with the solution that its file records, or tagged `unsolved`."""
     old = load_level(path) if path.exists() else None
     if old and old.solution and level_hash(old) == level_hash(level):
         return level.replace(solution=old.solution)

@@ -39,7 +39,7 @@ class Thumbnails:
         self._draw = jax.jit(draw, static_argnames=("width", "height"))
 
     def picture(self, level: Level, side: int = THUMBNAIL) -> Image.Image:
-        """The level's start, drawn at twice the size and scaled down."""
+        """Return the level's start, drawn at twice the size and scaled down."""
         state = level_state(level.replace(size="l"), self._static)
         labels = state.labels
         pixels = self._draw(
@@ -81,7 +81,7 @@ def save(picture: Image.Image, path: Path) -> None:
 
 
 def main() -> None:
-    """Draw everything anew."""
+    """Draw everything again."""
     thumbnails = Thumbnails()
     every: list[Image.Image] = []
     for size in ("s", "m", "l"):

@@ -32,7 +32,7 @@ PASSES: Final = 4
 
 
 def bundled() -> dict[str, Path]:
-    """The files of all levels by name, those of a size together."""
+    """Return the files of all levels by name, those of a size together."""
     return {
         f"{size}/{path.stem}": path
         for size in ("s", "m", "l")

@@ -23,7 +23,7 @@ RUNS = 40
 
 
 def programs() -> dict[str, tuple[Callable[..., Any], tuple[Any, ...]]]:
-    """Functions and their arguments."""
+    """Return functions and their arguments."""
     import jax
     import jax.numpy as jnp
 

@@ -26,7 +26,7 @@ BEGIN, END = "<!-- generated: {} -->", "<!-- end of generated -->"
 
 
 def format_tables() -> str:
-    """One table for each kind of object in a level file."""
+    """Return one table for each kind of object in a level file."""
     parts = level_set_schema()["$defs"]
     order = ["Level", "Arena", "ArenaBody", "Geometry", "Body", "Circle", "Polygon"]
     order += ["MassProperties", "Joint", "Motor", "Limits", "Thruster", "Solution", "SizeHint"]
@@ -35,7 +35,7 @@ def format_tables() -> str:
 
 
 def names_of_kinetix_env() -> str:
-    """The modules and names of kinetix-env, and where each lives here."""
+    """Return the modules and names of kinetix-env, and where each lives here."""
     rows = ["| there | here |", "| --- | --- |"]
     for module, names in MODULES.items():
         for home, group in itertools.groupby(names.items(), key=lambda item: _place(*item, module)):
@@ -54,7 +54,7 @@ def _place(name: str, place: Place, module: str) -> str:
 
 
 def observation_columns() -> str:
-    """One table for each kind of row that an agent sees."""
+    """Return one table for each kind of row that an agent sees."""
     layout = Layout.of(EnvParams(), StaticEnvParams())
     kinds = {
         "A circle": layout.circle,
@@ -99,7 +99,7 @@ def _meaning(value: dict[str, Any]) -> str:
 
 
 def _kind(value: dict[str, Any]) -> str:
-    """A value's type and limits in words."""
+    """Return a value's type and limits in words."""
     if "$ref" in value:
         name = value["$ref"].rsplit("/", 1)[1]
         return f"[{name}](#{name.lower()})"
@@ -130,7 +130,7 @@ def _limits(value: dict[str, Any]) -> str:
 
 
 def catalogue() -> str:
-    """The bundled levels with their pictures, by size."""
+    """Return the bundled levels with their pictures, by size."""
     return "\n".join(
         "\n".join([f"## Size {size}", "", *_rows(size), ""]) for size in ("s", "m", "l")
     )
@@ -197,7 +197,7 @@ def _size(largest: int) -> str:
 
 
 def documents() -> dict[Path, str]:
-    """Every file that has generated parts, as it should be."""
+    """Return every file that has generated parts, as it should be."""
     made = {
         DOCS / "schemas" / "kinetix-level.schema.json": _json(level_schema()),
         DOCS / "schemas" / "kinetix-levelset.schema.json": _json(level_set_schema()),

@@ -35,12 +35,12 @@ Shots = list[Event | str]
 
 
 def click(widget: str) -> Shots:
-    """A click on a widget."""
+    """Return a click on a widget."""
     return [{"do": "down", "widget": widget}, {"do": "up"}, {"do": "wait", "frames": 4}]
 
 
 def action(name: str, frames: int = 6) -> Shots:
-    """An action, and time for its panel to come."""
+    """Return an action, and time for its panel to come."""
     return [{"do": "action", "id": name}, {"do": "wait", "frames": frames}]
 
 

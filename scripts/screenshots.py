@@ -1,4 +1,4 @@
-"""Take the pictures of docs/pictures anew: the app itself, offscreen, driven by scripts.
+"""Retake the pictures of docs/pictures: the app itself, offscreen, driven by scripts.
 
 python scripts/screenshots.py [NAME …]      all, or those named: editor gallery play …
 """
@@ -18,12 +18,12 @@ Event = dict[str, object]
 
 
 def shot(name: str) -> Event:
-    """A picture of the window as it is now."""
+    """Return a picture of the window as it is now."""
     return {"do": "screenshot", "file": str(PICTURES / f"{name}.png")}
 
 
 def click(widget: str) -> list[Event]:
-    """A click on a widget."""
+    """Return a click on a widget."""
     return [{"do": "down", "widget": widget}, {"do": "up"}, {"do": "wait", "frames": 4}]
 
 
@@ -236,7 +236,7 @@ CURRICULUM_RUN = (
 
 
 def curriculum(run_folder: Path) -> list[Event]:
-    """The picture of the levels that a curriculum keeps."""
+    """Return the picture of the levels that a curriculum keeps."""
     return [
         {"do": "open", "file": "levels/s/hang_on.json"},
         {"do": "agent", "dir": str(run_folder), "slot": "a"},
@@ -260,7 +260,7 @@ SEVERAL = (
 
 
 def seeds(run_folder: Path) -> list[Event]:
-    """The picture of runs of one recipe under several seeds."""
+    """Return the picture of runs of one recipe under several seeds."""
     beside: list[Event] = []
     for seed in range(1, SEEDS):
         typed: Event = {"do": "text", "text": str(run_folder / f"seed_{seed}")}

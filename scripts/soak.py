@@ -136,7 +136,7 @@ class Soak:
             self.key(key)
             self.drag((2.0, 2.6), end)
             self.frames(5)
-        # Now and then it is another level that is played: the step is compiled anew.
+        # Now and then it is another level that is played: the step is recompiled.
         for _ in range(4 if self.rounds % 3 else 1):
             actions.run(self.session, "edit.undo")
             self.frames(5)
@@ -180,7 +180,7 @@ def held() -> dict[str, int]:
 
 
 def growth(points: list[tuple[float, float]]) -> float:
-    """The least-squares line's growth from the first point to the last."""
+    """Return the least-squares line's growth from the first point to the last."""
     if len(points) < 3:
         return 0.0
     slope = statistics.linear_regression(*zip(*points, strict=True)).slope

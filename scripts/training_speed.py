@@ -51,7 +51,7 @@ TRAINED: Final = {
 
 
 def trained(network: str, physics: str) -> float:
-    """Steps per second of `kinetix train`: the median over its updates.
+    """Return steps per second of `kinetix train`: the median over its updates.
 
     Args:
         network: A name of `TRAINED`.

@@ -50,6 +50,7 @@ def peer() -> Path:
     """Folder of kinetix-env's data; tests that need it are skipped where it is absent."""
     if not PEER.is_dir():
         pytest.skip("kinetix-env's data is not here")
+    assert any((PEER / "levels").rglob("*.json")), f"{PEER}/levels holds no level"
     return PEER
 
 

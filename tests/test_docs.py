@@ -79,9 +79,8 @@ def test_every_page_is_in_the_menu_of_the_site():
 
 
 def test_configurations_can_be_read():
-    for document in DOCUMENTS:
-        for block in blocks(document, "toml"):
-            assert tomllib.loads(block)
+    found = [block for document in DOCUMENTS for block in blocks(document, "toml")]
+    assert found and all(tomllib.loads(block) for block in found)
 
 
 def test_the_files_and_names_of_the_architecture_exist():

@@ -34,7 +34,7 @@ def ask(session: Session) -> None:
 
 
 def open_address(session: Session, address: str) -> None:
-    """Open what lies at an address; a window says so where that cannot be done.
+    """Open what lies at an address; a window reports it where that cannot be done.
 
     Args:
         session: The app; it goes on while the server answers.

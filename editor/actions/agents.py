@@ -38,7 +38,7 @@ def choose_agent(session: Session, path: str | Path, slot: SlotName = "a") -> No
 
 
 def show_checkpoint(session: Session, slot: SlotName, path: Path) -> None:
-    """Take another checkpoint of a run; what plays starts anew with it: same level, same draws."""
+    """Take another checkpoint of a run; what plays restarts: same level, same random numbers."""
     load_agent(session, path, slot)
     if slot != "a":
         return
@@ -60,7 +60,7 @@ def known_agents(session: Session) -> list[tuple[str, str]]:
 
 
 def load_agent(session: Session, path: str | Path, slot: SlotName = "a") -> None:
-    """Load an agent into a slot; a toast says when it is there, or why not.
+    """Load an agent into a slot; a toast shows when it is there, or why not.
 
     Args:
         session: The app.
@@ -135,7 +135,7 @@ def _same(before: AgentSummary | None, after: AgentSummary) -> bool:
 
 
 def _use(session: Session, summary: AgentSummary, slot: SlotName) -> str:
-    """Say what a loaded agent is good for."""
+    """Report what a loaded agent can play."""
     if slot != "a":
         return "It can be compared with agent A, or with you."
     if _unfit(summary, _level(session)):
@@ -144,7 +144,7 @@ def _use(session: Session, summary: AgentSummary, slot: SlotName) -> str:
 
 
 def _level(session: Session) -> Level:
-    """The level in front: the one that is played, or edited."""
+    """Return the level in front: the one that is played, or edited."""
     level = session.playback.level if session.playback.active else session.document.level
     assert level is not None
     return level
@@ -156,7 +156,7 @@ def _unfit(summary: AgentSummary, level: Level) -> str:
 
 
 def _rehearse(session: Session) -> None:
-    """Compile ahead, so that F6 starts at once; whatever is wrong is said when it is played."""
+    """Compile ahead, so that F6 starts at once; errors are reported when it is played."""
     casting = session.viewer.casting("a")
     if casting is not None and session.document.level.bodies:
         session.worker.submit(
@@ -179,7 +179,7 @@ def clear_slot(session: Session, slot: SlotName) -> None:
 
 
 def choose(slot: SlotName) -> Callable[[Session], None]:
-    """An action that asks which agent to put into a slot."""
+    """Return an action that asks which agent to put into a slot."""
 
     def run(session: Session) -> None:
         def answer(choice: str | None) -> None:
@@ -233,11 +233,11 @@ def _folder(session: Session) -> Path:
 def play_agent(session: Session) -> None:
     """Let agent A play the level, as soon as it is loaded.
 
-    Where there is none, or it sees one size only and that is not the level's, the planner does.
+    If none is chosen, or it sees one other size only, the planner plays.
     """
     viewer, place = session.viewer, session.viewer.slots["a"]
     if viewer.guest is not None:
-        session.leave_play()  # Whoever plays now has the viewer's own draws and physics.
+        session.leave_play()  # The new player has the viewer's own random numbers and physics.
     if place.loading:
         session.expected = place.job
         return
@@ -269,7 +269,7 @@ def _play_once_loaded(session: Session, path: str) -> None:
 
 
 def change_attempt(step: int) -> Callable[[Session], None]:
-    """An action that goes to another attempt, which has other draws; what plays starts anew."""
+    """Make an action for another attempt, with other random numbers; what plays restarts."""
 
     def run(session: Session) -> None:
         set_draws(session, attempt=max(session.viewer.draws.attempt + step, 0))
@@ -284,7 +284,7 @@ def set_draws(
     attempt: int | None = None,
     deterministic: bool | None = None,
 ) -> None:
-    """Give the agents other draws; an episode that an agent plays starts anew.
+    """Give the agents other random numbers; an episode that an agent plays restarts.
 
     While an attempt of an evaluation is on show, it alone has them.
     """
@@ -296,7 +296,7 @@ def set_draws(
 
 
 def restart(session: Session) -> None:
-    """Start the agent's episode anew with what the viewer is set to now."""
+    """Restart the agent's episode with the present settings of the viewer."""
     playback = session.playback
     if playback.active and playback.casting is not None:
         refresh_cast(session)
@@ -348,7 +348,7 @@ def action_now(session: Session) -> Action | None:
 
 
 def compare(kind: Compare) -> Callable[[Session], None]:
-    """An action that chooses how two players are shown."""
+    """Return an action that chooses how two players are shown."""
 
     def run(session: Session) -> None:
         viewer = session.viewer

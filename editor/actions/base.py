@@ -28,7 +28,7 @@ def context_of(session: Session) -> Context:
 
 
 def contexts(session: Session) -> tuple[Context, ...]:
-    """The contexts whose actions count now, the narrowest first."""
+    """Return the contexts whose actions count now, the narrowest first."""
     here = context_of(session)
     return (here, *((Context.LEVEL,) if here is not Context.GALLERY else ()), Context.GLOBAL)
 
@@ -51,7 +51,7 @@ def always(session: Session) -> bool:
 
 
 def editing(session: Session) -> bool:
-    """An action for Edit."""
+    """Make an action that can be used while editing."""
     return session.editing
 
 

@@ -37,7 +37,7 @@ def ask_comparison(session: Session) -> None:
 
 
 def about_comparison(path: Path) -> str:
-    """Return what a stored comparison holds, or why it is none; empty for other files."""
+    """Return what a stored comparison holds, or why it is not one; empty for other files."""
     if path.suffix.lower() != ".json":
         return ""
     try:
@@ -51,7 +51,7 @@ def open_comparison(session: Session, path: Path) -> bool:
     """Show a stored comparison in the table; asks first while an evaluation is under way.
 
     Returns:
-        Whether it could be read; if not, a window says why.
+        Whether it could be read; if not, a window shows why.
     """
     try:
         stored = read_comparison(path)
@@ -101,7 +101,7 @@ def known_by(session: Session, digest: str, card_digest: str) -> AgentSummary | 
 
 
 def _level(session: Session, name: str, sha256: str) -> str | Level:
-    """The level that a stored name means: a file with that content, else the name alone."""
+    """Return the level that a stored name means: a file with that content, else the name alone."""
     if session.document.hash == sha256:
         return session.document.level
     try:
@@ -117,7 +117,7 @@ def present(session: Session, summary: AgentSummary) -> AgentSummary:
     """Return an agent that can play: itself, or the loaded one with the same parameters.
 
     Raises:
-        CommandError: It is of a stored comparison, and no agent with its parameters is loaded.
+        CommandError: The agent is of a stored comparison, and none with its parameters is loaded.
     """
     if summary.ref.path:
         return summary

@@ -17,7 +17,7 @@ _DESCRIPTION = "agent.json"
 
 
 def compatible_agents(session: Session, level: Level) -> tuple[str, ...]:
-    """Names of the agents that can play a level: the app's own, recent and loaded ones."""
+    """Return names of the agents that can play a level: the app's own, recent and loaded ones."""
     found = []
     for path, label in known_agents(session):
         card = None if path in BUILT_IN else _card_of(Path(path))
@@ -31,7 +31,7 @@ def compatible_agents(session: Session, level: Level) -> tuple[str, ...]:
 
 
 def agents_stamp() -> int:
-    """A number that changes when an agent of the user's own comes, goes or is renamed."""
+    """Return a number that changes when an agent of the user's own comes, goes or is renamed."""
     try:
         return user_agents_dir().stat().st_mtime_ns
     except OSError:
@@ -39,7 +39,7 @@ def agents_stamp() -> int:
 
 
 def _card_of(folder: Path) -> AgentCard | None:
-    """Return an agent's description of itself; None where there is none that can be read."""
+    """Return an agent's description of itself; None if it cannot be read."""
     try:
         return _card(folder / _DESCRIPTION, (folder / _DESCRIPTION).stat().st_mtime_ns)
     except OSError:
@@ -48,7 +48,7 @@ def _card_of(folder: Path) -> AgentCard | None:
 
 @functools.lru_cache(maxsize=64)
 def _card(path: Path, stamp: int) -> AgentCard | None:
-    del stamp  # part of the key only: a description that was written anew is read anew
+    del stamp  # part of the key only: a changed description is read again
     try:
         return read_card(path)[0]
     except CheckpointError:

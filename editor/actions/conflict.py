@@ -46,7 +46,11 @@ def ask(
 
     choices = [
         Choice(id="both", label="Keep Both", detail=f"Save mine as {free_path(path).name}."),
-        Choice(id="mine", label="Save Mine", detail=f"Theirs stays as {free_backup(path).name}."),
+        Choice(
+            id="mine",
+            label="Save Mine",
+            detail=f"The other one is kept as {free_backup(path).name}.",
+        ),
         Choice(id="theirs", label="Take Theirs", detail="As one edit: undo brings mine back."),
         Choice(id="cancel", label="Cancel"),
     ]
@@ -67,7 +71,7 @@ def ask(
 
 
 def _theirs(path: Path) -> tuple[Level | None, str]:
-    """The level in the file, and a sentence about it."""
+    """Return the level in the file, and a sentence about it."""
     try:
         return load_level(path), ""
     except LevelError as error:

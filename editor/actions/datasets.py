@@ -48,7 +48,7 @@ def ask_dataset(session: Session) -> None:
 
 
 def add_episode(session: Session, level: Level, trace: Trace, folder: Path) -> None:
-    """Add an episode to a data set; a toast says what it holds then, or why not."""
+    """Add an episode to a data set; a toast shows its new content, or the reason."""
 
     def done(job: Job) -> None:
         if job.state is JobState.DONE:

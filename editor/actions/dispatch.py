@@ -63,14 +63,14 @@ _ELSEWHERE: Final = {
 
 
 def chords(session: Session, action: Action) -> tuple[str, ...]:
-    """The chords of an action, rebound ones included."""
+    """Return the chords of an action, rebound ones included."""
     return tuple(session.settings.keys.get(action.id, action.keys))
 
 
 def find(session: Session, chord: str) -> Action | None:
-    """The action that a chord means now: of the narrowest context that keys reach first.
+    """Find the action of a chord now: that of the narrowest context that keys reach first.
 
-    What a chord is by itself comes before what it is as another one with Shift or Alt.
+    An exact binding wins over one that matches when Shift or Alt is ignored.
     """
     able = [each for each in ACTIONS if not (each.seen and session.view.covered)]
     usable = [each for context in reached(session) for each in able if each.context is context]
@@ -108,7 +108,7 @@ def run(session: Session, action_id: str) -> bool:
         Whether it was enabled.
 
     Raises:
-        CommandError: There is no such action.
+        CommandError: No action has this id.
     """
     if action_id not in BY_ID:
         raise CommandError(f"there is no action {action_id!r}; there are {', '.join(BY_ID)}")

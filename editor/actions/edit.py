@@ -64,16 +64,20 @@ def cut(session: Session) -> None:
     ids = _unlocked(session)
     found = clip.copied(session.document.level, ids)
     if not found.bodies:
-        raise CommandError("Only shapes can be cut, with what hangs on them: Delete removes it.")
+        raise CommandError(
+            "Only shapes can be cut, with their joints and thrusters: Delete removes those alone."
+        )
     session.clipboard.set(clip.dumps(found))
     before = {joint.id for joint in session.document.level.joints}
     if not session.execute(Remove(ids=tuple(body.id for body in found.bodies))).changed:
         return
     staying = sum(entity.id in ids for entity in session.document.level.entities())
     if staying == 1:
-        session.complain("1 thing stays: it hangs on what was not cut.")
+        session.complain("1 item was kept: it is attached to something that was not cut.")
     elif staying:
-        session.complain(f"{staying} things stay: they hang on what was not cut.")
+        session.complain(
+            f"{staying} items were kept: they are attached to something that was not cut."
+        )
     level = session.document.level
     lost = before - {joint.id for joint in (*level.joints, *found.joints)}
     if len(lost) == 1:
@@ -118,7 +122,7 @@ def duplicate(session: Session) -> None:
     """
     found = clip.copied(session.document.level, session.selection)
     if not found.bodies:
-        raise CommandError("Only shapes can be duplicated, with what hangs on them.")
+        raise CommandError("Only shapes can be duplicated, with their joints and thrusters.")
     session.execute(clip.Paste(clip=found, shift=PASTE_SHIFT, verb="Duplicate"))
 
 
@@ -145,7 +149,7 @@ def named(level: Level, entity: int, name: str) -> SetField:
     name = name.strip()[:MAX_NAME].rstrip()
     record = next((each for each in level.entities() if each.id == entity), None)
     if record is None:
-        raise CommandError(f"What was to be called {name} is gone.")
+        raise CommandError(f"The item to be named {name} no longer exists.")
     plain = plain_name(record)
     shown = name or plain
     return SetField(
@@ -180,7 +184,7 @@ def select_all(session: Session) -> None:
 
 
 def delete(session: Session) -> None:
-    """Delete the selection with what hangs on it, and offer to undo that."""
+    """Delete the selection with its joints and thrusters, and offer to undo that."""
     before = session.document.level
     ids = tuple(i for i in _unlocked(session) if not isinstance(i, str))
     if not ids:
@@ -216,7 +220,7 @@ def _expect_nothing(session: Session, job: Job) -> None:
 
 
 def _unlocked(session: Session) -> Selection:
-    """Return the selection without what is locked, and say so where that is a part of it.
+    """Return the selection without locked things; report if some were left out.
 
     Raises:
         CommandError: All of it is locked.
@@ -268,7 +272,7 @@ def show_all(session: Session) -> None:
 
 
 def mirror(axis: Literal["x", "y"]) -> Callable[[Session], None]:
-    """An action that mirrors the selection."""
+    """Return an action that mirrors the selection."""
 
     def run(session: Session) -> None:
         session.execute(Mirror(ids=_unlocked(session), axis=axis))
@@ -277,7 +281,7 @@ def mirror(axis: Literal["x", "y"]) -> Callable[[Session], None]:
 
 
 def reorder(step: Literal[1, -1]) -> Callable[[Session], None]:
-    """An action that brings the selection forward or back."""
+    """Return an action that brings the selection forward or back."""
 
     def run(session: Session) -> None:
         session.execute(Reorder(ids=session.selection, step=step))
@@ -286,7 +290,7 @@ def reorder(step: Literal[1, -1]) -> Callable[[Session], None]:
 
 
 def nudge(x: int, y: int) -> Callable[[Session], None]:
-    """An action that moves the selection by one step."""
+    """Return an action that moves the selection by one step."""
 
     def run(session: Session) -> None:
         step = session.settings.nudge_step
@@ -303,7 +307,7 @@ def nudge(x: int, y: int) -> Callable[[Session], None]:
 
 
 def moving_ids(session: Session) -> Selection:
-    """The selected bodies with those that hang on them, unless that is switched off."""
+    """Return the selected bodies with those jointed to them, unless that is switched off."""
     level, document = session.document.level, session.document
     ids = {body.id for body in level.bodies if body.id in document.unlocked}
     if session.settings.move_jointed:
@@ -312,7 +316,7 @@ def moving_ids(session: Session) -> Selection:
 
 
 def turn(degrees: float) -> Callable[[Session], None]:
-    """An action that rotates the selected bodies; Shift makes 15° one degree."""
+    """Return an action that rotates the selected bodies; Shift makes 15° one degree."""
 
     def run(session: Session) -> None:
         step = math.copysign(1.0, degrees) if session.hands.modifiers.shift else degrees
@@ -329,7 +333,7 @@ Box = tuple[float, float, float, float]
 
 
 def align(label: str, axis: int, place: Callable[[Box], float]) -> Callable[[Session], None]:
-    """An action that brings one line of every selected piece to that of the group's box.
+    """Return an action that brings one line of every selected piece to that of the group's box.
 
     Args:
         label: What the history calls it.
@@ -367,7 +371,7 @@ def _pieces(session: Session, least: int) -> list[tuple[Selection, Box]]:
     """The selected shapes with their boxes; jointed ones are one, unless nothing else is selected.
 
     Raises:
-        CommandError: There are fewer.
+        CommandError: Fewer shapes than `least` are selected.
     """
     level, chosen = session.document.level, _unlocked(session)
     bodies = {body.id: body for body in level.bodies if body.id in chosen}

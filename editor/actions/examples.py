@@ -46,7 +46,7 @@ def new_from(session: Session, template: str) -> None:
 
 @functools.cache
 def scenes(group: str) -> tuple["SuiteScene", ...]:
-    """The scenes of a class that have a level to show."""
+    """Return the scenes of a class that have a level to show."""
     from kinetix.scenes import SCENES
 
     return tuple(s for s in SCENES.values() if s.group == group and s.make_trials())

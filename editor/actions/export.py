@@ -124,7 +124,7 @@ def write_for_kinetix_env(session: Session, document: Document, path: Path) -> N
         path: The file; not one of a level that is open.
 
     Raises:
-        CommandError: It is.
+        CommandError: The file is open in another window.
         LevelError: The file cannot be written, or the format cannot hold the level.
     """
     if any(_same(tab.document.path, path) for tab in session.tabs):
@@ -143,7 +143,7 @@ def _same(one: Path | None, other: Path) -> bool:
 
 
 def open_trace(session: Session, path: Path) -> bool:
-    """Show an episode from a file on its level; whether it is shown, else a window says why."""
+    """Show an episode from a file on its level; whether it is shown, else a window shows why."""
     try:
         found = read_trace(path)
     except KinetixError as error:
@@ -203,7 +203,7 @@ _DRAWS: Final = ("seed", "attempt", "deterministic", "digest")
 
 
 def _rival(session: Session, trace: Trace) -> Trace | None:
-    """The second player's episode, where one is shown with the trace that is on show."""
+    """Return the second player's episode, where one is shown with the trace that is on show."""
     rival, shown = session.viewer.rival, session.playback.trace
     last = trace.snapshots[-1]
     if not rival.snapshots or shown is None or not any(s is last for s in shown.snapshots):
@@ -294,7 +294,7 @@ def _during(trace: Trace, rival: Trace) -> Trace:
 
 
 def told(session: Session) -> Callable[[Job], None]:
-    """A callback that says what became of an export."""
+    """Return a callback that says what became of an export."""
 
     def done(job: Job) -> None:
         if job.state is JobState.DONE:
@@ -352,7 +352,7 @@ def screenshot(session: Session) -> None:
 
 
 def free_name(session: Session, suffix: str) -> Path:
-    """A file name in the folder of exports that nothing has yet: `title-001.png`."""
+    """Return a file name in the folder of exports that nothing has yet: `title-001.png`."""
     folder, stem, number = folders.to_export(session), Path(session.document.title).stem, 1
     if folder == user_levels_dir():
         with contextlib.suppress(OSError):  # the write says so

@@ -40,7 +40,7 @@ def open_path(
         anyway: Open it also when another window has it open; otherwise a question comes first.
 
     Returns:
-        Whether it is open now, or asked about; otherwise a window says why.
+        Whether it is open now, or asked about; otherwise a window shows why.
     """
     try:
         document = files.open_document(path, session.old_names)
@@ -135,7 +135,7 @@ def _ask_elsewhere(session: Session, document: Document, *, replace: bool) -> No
 
 
 def tell(session: Session, title: str, message: str, *, logged: str = "") -> None:
-    """Say what could not be done, until it is read, several in one window; the log has `logged`."""
+    """Show why something failed until it is read, several in one window; the log has `logged`."""
     session.log.add(logged or message)
     shown = message if len(message) <= MESSAGE_LENGTH else f"{message[:MESSAGE_LENGTH]}…"
     for prompt in session.prompts:
@@ -189,7 +189,7 @@ def _no_moment(session: Session) -> None:
     """Refuse to save a paused episode over the level.
 
     Raises:
-        CommandError: One is being changed.
+        CommandError: A paused episode is being changed.
     """
     if session.tab.moment is not None:
         raise CommandError(

@@ -29,7 +29,7 @@ def to_save(session: Session) -> Path:
 def to_export(session: Session) -> Path:
     """Return the proposed folder for what is made of a level: the level's, else the last one used.
 
-    One that is gone, with a disk that was pulled out, is not made anew.
+    A folder that is gone, with a disk that was removed, is not made again.
 
     A script's is the one that it was started from.
     """

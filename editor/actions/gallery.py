@@ -78,7 +78,7 @@ def chosen_cards(session: Session) -> list[Card]:
     """Return the levels that are chosen.
 
     Raises:
-        CommandError: None is.
+        CommandError: No level is chosen.
     """
     chosen = session.gallery.chosen(session.library, session.results)
     if not chosen:
@@ -107,13 +107,13 @@ def play_agent(session: Session) -> None:
 
 
 def evaluate(session: Session) -> None:
-    """Measure agents on the chosen levels, as the fields of *Evaluate* say."""
+    """Measure agents on the chosen levels, with the settings of *Evaluate*."""
     levels = tuple(card.path for card in chosen_cards(session))
     _evaluate(session, levels, "chosen")
 
 
 def evaluate_set(session: Session, path: Path) -> None:
-    """Measure agents on the levels of a set, as the fields of *Evaluate* say."""
+    """Measure agents on the levels of a set, with the settings of *Evaluate*."""
     _evaluate(session, (str(path),), "set")
 
 
@@ -141,7 +141,7 @@ def _evaluate(session: Session, paths: tuple[str, ...], source: str) -> None:
 
 
 def move(steps: Callable[[Session], int]) -> Callable[[Session], None]:
-    """An action that goes on by some cards."""
+    """Return an action that goes on by some cards."""
 
     def run(session: Session) -> None:
         gallery = session.gallery

@@ -74,7 +74,7 @@ def _follow(session: Session, document: Document | None, old: Path, new: Path) -
 
 
 def _tell_sets(session: Session, gone: list[Path]) -> None:
-    """Say which level sets name files that are not there any more."""
+    """Report which level sets name files that are not there any more."""
     names = [set_name(path) for path in sets_naming(gone, session.library.sets)]
     if names:
         session.toast(f"Level sets that miss a level now: {unsaved.listed(names)}", "warning")
@@ -84,7 +84,7 @@ def duplicate(session: Session) -> None:
     """Copy the chosen levels; copies of the app's own go to the user's folder.
 
     Raises:
-        LevelError: Some cannot be copied; the others are.
+        LevelError: Some levels cannot be copied; the others are.
     """
     cards = gallery.chosen_cards(session)
     many_files.begin(session, "Copying levels", len(cards), _duplicated(session, cards))

@@ -119,7 +119,7 @@ def current(session: Session) -> Step | None:
 
 
 def start(session: Session) -> None:
-    """Begin anew, in an empty level."""
+    """Restart the guide, in an empty level."""
     session.gallery.open = False
     if session.document.level.bodies or session.document.path is not None:
         file.new(session)
@@ -127,7 +127,7 @@ def start(session: Session) -> None:
 
 
 def close(session: Session) -> None:
-    """Put the guide away; Help ▸ Guided First Level begins anew."""
+    """Close the guide; Help ▸ Guided First Level restarts it."""
     session.settings.guide_step = CLOSED
 
 
@@ -148,7 +148,7 @@ def follow(session: Session) -> None:
 
 
 def offer(session: Session) -> None:
-    """Ask whoever starts the app for the first time; a guide that is done is put away."""
+    """Offer the guide at the first start of the app; a finished one is closed."""
     settings = session.settings
     if settings.guide_step >= len(STEPS):
         close(session)

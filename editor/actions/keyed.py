@@ -45,7 +45,7 @@ class KeyedAction:
         return True
 
     def conflict(self, session: Session, chord: str) -> str:
-        """See `rebinding.conflict`."""
+        """Return the use of a chord that another one would conflict with."""
         return rebinding.conflict(session, self.action, chord)
 
     def changed(self, session: Session) -> bool:
@@ -100,7 +100,7 @@ class KeyedDrive:
         return "+" not in chord[:-1]
 
     def conflict(self, session: Session, chord: str) -> str:
-        """See `rebinding.drive_conflict`."""
+        """Return the use of a driving key that another one would conflict with."""
         return rebinding.drive_conflict(session, self.drive, chord)
 
     def changed(self, session: Session) -> bool:

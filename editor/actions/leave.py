@@ -140,7 +140,7 @@ def _finish(session: Session) -> None:
 
     session.ask(
         Question(
-            title="Wait for what is under way?",
+            title="Wait for unfinished work?",
             message=f"These are not complete yet:\n{_listed(going_on)}",
             choices=(
                 Choice(id="wait", label="Wait, Then Close"),

@@ -56,7 +56,7 @@ def _draw(session: Session, request: RandomLevel, title: str) -> None:
 
 
 def mutate(mutation: str | None) -> Callable[[Session], None]:
-    """An action that changes the level at random; None takes any mutation."""
+    """Return an action that changes the level at random; None takes any mutation."""
 
     def run(session: Session) -> None:
         session.seed += 1

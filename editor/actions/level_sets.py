@@ -59,7 +59,7 @@ def load_into_set(session: Session, path: Path) -> None:
 
 
 def open_set(session: Session, path: Path) -> bool:
-    """Show the gallery with the levels of a set; returns False where a window says why not."""
+    """Show the gallery with the levels of a set; returns False where a window shows why not."""
     try:
         load_into_set(session, path)
     except LevelError as error:
@@ -98,7 +98,7 @@ def _ask_to_unpack(session: Session, path: Path, loaded: LoadedSet) -> None:
 
 
 def _replace(session: Session, tray: dict[str, float], told: str, kind: Kind = "info") -> None:
-    """Make other levels the set and say so; the message brings back what the set had."""
+    """Make other levels the set; the message's button brings back what the set had."""
     gallery = session.gallery
     undo = None
     if gallery.tray and gallery.tray != tray:
@@ -179,7 +179,7 @@ def export_now(session: Session) -> None:
     bad = refused_in_set(session)
     if bad:
         name = next(iter(bad.values()))
-        raise CommandError(f"{name} has an error or is gone: mend it, or leave it out.")
+        raise CommandError(f"{name} has an error or is gone: repair it, or leave it out.")
 
     def answer(path: Path | None) -> None:
         if path is not None:
@@ -227,7 +227,7 @@ def _write(session: Session, path: Path, plan: SetPlan) -> None:
 def _exported(
     session: Session, path: Path, levels: dict[Path, float], plan: SetPlan, made: LoadedSet
 ) -> None:
-    """Say what was written of these levels and their weights."""
+    """Report what was written of these levels and their weights."""
     doubles = len(levels) - len(made.levels)
     train = sum(each.split == "train" for each in made.levels)
     more = f", {doubles} left out because they equal others" if doubles else ""
@@ -242,7 +242,7 @@ def _exported(
 
 
 def _tell_losses(session: Session, made: LoadedSet, *, inline: bool) -> None:
-    """Say what the set does not carry of kinetix-env's files, as `kinetix levelset build` does."""
+    """List what the set does not carry of kinetix-env's files, as `kinetix levelset build` does."""
     told = inline_losses(made, inline=inline)
     if told:
         more = f" (and {len(told) - 1} more, see the log)" if len(told) > 1 else ""

@@ -11,7 +11,7 @@ from kinetix.errors import CommandError
 AT_ONCE: Final = 50
 """So few files are done with in the frame that asks for it."""
 BUSY: Final = "Wait until the files before are done with, or stop that: Esc."
-"""Why no other files can be worked on."""
+"""Refusal while other files are being worked on."""
 _SLICE: Final = 0.03
 """The part of a frame that the work may take [s]."""
 

@@ -37,7 +37,7 @@ from kinetix.paths import levels_dir, working_dir
 
 
 def levels_named(session: Session, sources: tuple[str, ...]) -> list[tuple[EvaluatedLevel, str]]:
-    """Levels to evaluate on, with their hashes.
+    """Return levels to evaluate on, with their hashes.
 
     Args:
         session: The app.
@@ -80,7 +80,7 @@ def sources_asked(session: Session) -> tuple[str, ...]:
 
 
 def _name_of(path: Path) -> str:
-    """A bundled level by its name, so that results are called as on the command line."""
+    """Return a bundled level by its name, so that results are called as on the command line."""
     resolved = path.resolve()
     if os.path.isfile(resolved) and resolved.is_relative_to(levels_dir().resolve()):
         return resolved.relative_to(levels_dir().resolve()).with_suffix("").as_posix()
@@ -105,7 +105,7 @@ def start_evaluation(
     """Begin an evaluation in the background.
 
     Raises:
-        CommandError: There is no agent, or the level in front has errors.
+        CommandError: No agent is given, or the level in front has errors.
         LevelError: A level is missing or bad.
     """
     if not agents:
@@ -248,7 +248,7 @@ def show_paths(session: Session, level: int, agent: int) -> None:
 
 
 def _refuse(session: Session, plan: Plan, level: int) -> None:
-    """Say that what was measured on a level does not hold for what it is now."""
+    """Report that results of a level do not hold since it was changed."""
     name = plan.levels[level].name
     session.toast(f"{name} is another level by now; evaluate it again.", "error")
 
@@ -336,8 +336,8 @@ def keep_results(session: Session) -> None:
     fault = session.results.take_fault()
     if fault:
         session.toast(
-            f"{fault}. Its results are not shown; with the next one the file is written anew, and "
-            "then the old one is a .bak file beside it",
+            f"{fault}. Its results are not shown. The next result replaces the file; the old one "
+            "is kept as a .bak file beside it",
             "warning",
         )
     ended = session.viewer.evaluation.ended

@@ -30,7 +30,8 @@ def note_lost(session: Session, *documents: Document) -> None:
         if files.nowhere(document):
             document.mark_unsaved()
             session.toast(
-                f"{document.title} was changed outside; what is here is in no file.", "warning"
+                f"{document.title} was changed by another program; this version is in no file.",
+                "warning",
             )
 
 
@@ -63,7 +64,7 @@ def _check_front(session: Session) -> None:
             f"It cannot be read now: {files.plain_reason(path, error)}",
             False,
         )
-    document.outside = f"{path.name} was changed outside the editor. {summary}"
+    document.outside = f"{path.name} was changed by another program. {summary}"
 
 
 def _holds_the_same(session: Session) -> bool:

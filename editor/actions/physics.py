@@ -9,7 +9,7 @@ NONE = "none"
 
 
 def choose(session: Session, name: str) -> None:
-    """Use another preset from the next episode on; a running episode starts anew."""
+    """Use another preset from the next episode on; a running episode restarts."""
     session.settings.physics = name
     session.playback.choose_physics(name)
     _again(session)

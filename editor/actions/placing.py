@@ -1,4 +1,4 @@
-"""Drawing without a pointer: a shape of usual size in the middle of the view."""
+"""Drawing without a pointer: a shape of standard size in the middle of the view."""
 
 from typing import Final
 
@@ -16,7 +16,7 @@ _USUAL: Final[dict[str, Shape]] = {
 }
 """By tool, about the centre of mass [m]."""
 _DECIMALS: Final = 1
-"""Of the place [m]."""
+"""Decimals of the place in messages [m]."""
 
 
 def can_place(session: Session) -> bool:

@@ -30,7 +30,7 @@ def _refuse_outgrown(level: Level) -> None:
     """Refuse a level that does not fit its size, before anything is compiled for it.
 
     Raises:
-        CommandError: It does not.
+        CommandError: The level does not fit its size.
     """
     if outgrown_capacity(level) is not None:
         raise CommandError(
@@ -40,7 +40,7 @@ def _refuse_outgrown(level: Level) -> None:
 
 
 def pause(session: Session) -> None:
-    """Pause or go on; after the end start anew; a replay stands or moves."""
+    """Pause or continue; restart after the end; pause or play a replay."""
     if session.mode is Mode.ENDED:
         reset(session)
     else:
@@ -76,7 +76,7 @@ def _offer_to_keep(session: Session) -> None:
     steps = plural(session.playback.step_count, "step")
     session.messages.withdraw("level.keep_solution")
     session.messages.toast(
-        f"Won in {steps}: shall that be the level's solution?",
+        f"Won in {steps}: use this as the level's solution?",
         "success",
         action="level.keep_solution",
         offered=lambda: solution.can_keep(session),
@@ -89,17 +89,17 @@ def step(session: Session) -> None:
 
 
 def step_back(session: Session) -> None:
-    """One environment step back."""
+    """Go back by one environment step."""
     session.playback.step_back()
 
 
 def slower(session: Session) -> None:
-    """Half the speed."""
+    """Halve the speed."""
     session.playback.slower()
 
 
 def faster(session: Session) -> None:
-    """Twice the speed."""
+    """Double the speed."""
     session.playback.faster()
 
 
@@ -110,7 +110,7 @@ def reset(session: Session) -> None:
 
 
 def stop(session: Session) -> None:
-    """Back to Edit."""
+    """Go back to Edit."""
     session.leave_play()
 
 

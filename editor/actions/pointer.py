@@ -17,7 +17,7 @@ from kinetix.level.geometry import to_local
 PAN_NOTCH: Final = 30.0
 """Distance panned per notch of the wheel [px]."""
 _MOST_NOTCHES: Final = 100.0
-"""A wheel that says more than this in one frame is broken."""
+"""A wheel that reports more than this in one frame is broken."""
 PAN_BUTTONS: Final = (MIDDLE, RIGHT)
 
 

@@ -128,7 +128,7 @@ def restore(session: Session, found: Recovery) -> None:
 
 
 def _document_of(session: Session, found: Recovery) -> Document | None:
-    """The open document of the level's file; opens it where that can be done."""
+    """Return the open document of the level's file; opens it where that can be done."""
     if found.path is None:
         return None
     index = session.tabs.locate(found.path)

@@ -40,7 +40,8 @@ def save_table(session: Session, path: Path) -> None:
     """Write the table in the form that the file's ending asks for.
 
     Raises:
-        CommandError: It has another ending, or is a comparison and no agent has played all levels.
+        CommandError: The path has another ending, or the table is a comparison and no agent has
+            played all levels.
         KinetixError: The file cannot be written, or is a `.json` that is no comparison.
     """
     evaluation = session.viewer.evaluation
@@ -59,7 +60,10 @@ def save_table(session: Session, path: Path) -> None:
         check_replaced(path)
     write_atomically(path, texts[suffix]().encode())
     if missing:
-        session.toast(f"Wrote {path} without agents that lack levels: {listed(missing)}", "warning")
+        session.toast(
+            f"Wrote {path}, without agents that have not played every level: {listed(missing)}",
+            "warning",
+        )
     else:
         session.toast(f"Wrote {path}", "success")
 

@@ -30,7 +30,7 @@ def train_here(session: Session) -> None:
     """Begin to train an agent on the level, in a folder of the user's agents.
 
     Raises:
-        CommandError: There is nothing to learn, or a training is on.
+        CommandError: The level leaves nothing to learn, or a training is running.
     """
     training, level = session.training, session.document.level
     if training.running:
@@ -59,7 +59,7 @@ def train_here(session: Session) -> None:
 
 
 def _free_folder(name: str) -> Path:
-    """A new folder among the user's agents that is called after a level."""
+    """Return a new folder among the user's agents that is called after a level."""
     plain = re.sub(r"[^\w-]+", "_", name).strip("_")[:LONGEST_NAME] or "level"
     number, folder = 1, user_agents_dir() / plain
     while _taken(folder):
@@ -111,7 +111,7 @@ def stop_training(session: Session) -> None:
 
 
 def update_training(session: Session) -> None:
-    """Let a frame pass: say how a training ended, and take its agent where that is wanted."""
+    """Advance by a frame: report how a training ended, and load its agent if that is wanted."""
     training = session.training
     ended = training.ended()
     if ended is None or training.run is None:
@@ -129,7 +129,7 @@ def update_training(session: Session) -> None:
     taken = _wanted(session, training.run)
     how = "F6 lets it play." if taken else "Choose it as agent A to see it play."
     if training.stopping:
-        session.toast(f"{name}: stopped, with what it had learnt. {how}", "success")
+        session.toast(f"{name}: stopped; its progress is saved. {how}", "success")
     else:
         session.toast(f"{name} is trained. {how}", "success")
     if taken:

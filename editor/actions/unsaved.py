@@ -36,7 +36,7 @@ def listed(names: list[str]) -> str:
 
 
 def tell_unsaved(session: Session, paths: Collection[str]) -> None:
-    """Say which levels are measured as their files have them, not as they are on the screen."""
+    """Report which levels are measured as their files have them, not as they are on the screen."""
     names = unsaved_among(session, paths)
     if names:
         session.toast(f"Measured without their unsaved changes: {listed(names)}", "warning")

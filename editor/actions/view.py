@@ -19,7 +19,7 @@ _ZOOM_STEP: Final = ZOOM_NOTCH**2
 
 
 def choose(tool: str) -> Callable[[Session], None]:
-    """An action that takes a tool."""
+    """Return an action that takes a tool."""
 
     def run(session: Session) -> None:
         session.choose_tool(tool)
@@ -50,7 +50,7 @@ def fit(session: Session) -> None:
 
 
 def actual_size(session: Session) -> None:
-    """100 pixels a metre."""
+    """Zoom to 100 pixels per metre."""
     session.camera = dataclasses.replace(session.camera, zoom=1.0)
 
 
@@ -63,7 +63,7 @@ def zoom(session: Session, *, closer: bool) -> None:
 
 
 def switch(name: str) -> Callable[[Session], None]:
-    """An action that turns a part of the view on or off."""
+    """Return an action that turns a part of the view on or off."""
 
     def run(session: Session) -> None:
         setattr(session.view, name, not getattr(session.view, name))
@@ -123,7 +123,7 @@ def toggle_drawing(session: Session, name: str) -> None:
 
 
 def lay_out(name: str) -> Callable[[Session], None]:
-    """An action that puts the panels where a layout has them."""
+    """Return an action that puts the panels where a layout has them."""
 
     def run(session: Session) -> None:
         session.view.layout = name
@@ -150,7 +150,7 @@ def forget_layout(session: Session, name: str) -> None:
 
 
 def bring(panel: str) -> Callable[[Session], None]:
-    """An action that brings a panel to the front."""
+    """Return an action that brings a panel to the front."""
 
     def run(session: Session) -> None:
         session.view.front = panel
@@ -164,7 +164,7 @@ def is_on(name: str) -> Callable[[Session], bool]:
 
 
 def switch_setting(name: str) -> Callable[[Session], None]:
-    """An action that turns a preference on or off."""
+    """Return an action that turns a preference on or off."""
 
     def run(session: Session) -> None:
         setattr(session.settings, name, not getattr(session.settings, name))
@@ -178,7 +178,7 @@ def is_set(name: str) -> Callable[[Session], bool]:
 
 
 def switch_tab(step: int) -> Callable[[Session], None]:
-    """An action that brings the next or previous tab to the front."""
+    """Return an action that brings the next or previous tab to the front."""
 
     def run(session: Session) -> None:
         if len(session.tabs) < 2:

@@ -169,7 +169,7 @@ def _ask_why(session: Session) -> None:
 
 
 def _asked_body(session: Session, level: Level) -> int | None:
-    """Return the body whose places are told: pulled at, chosen, or else the green one."""
+    """Return the body whose path is shown: pulled at, chosen, or else the green one."""
     viewer = session.viewer
     if session.hands.pull is not None:
         viewer.asked_body = session.hands.pull.body

@@ -110,7 +110,7 @@ def why_gone(level: GoneLevel) -> str:
             f"Update {level.update}: #{level.by} took its place with a better score{score}.{last}"
         )
     if rate is not None and rate > 0.9:
-        return f"Update {level.update}: learnt; the buffer was filled anew.{last}"
+        return f"Update {level.update}: learnt; the buffer was refilled.{last}"
     if rate is not None and rate < 0.1:
-        return f"Update {level.update}: too hard still; the buffer was filled anew.{last}"
-    return f"Update {level.update}: the buffer was filled anew.{last}"
+        return f"Update {level.update}: too hard still; the buffer was refilled.{last}"
+    return f"Update {level.update}: the buffer was refilled.{last}"

@@ -69,7 +69,7 @@ class Plan:
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Row:
-    """One level of the table: a result an agent, None where there is none yet."""
+    """One level of the table: a result per agent, None before it is measured."""
 
     level: int
     """Index into the plan's levels."""
@@ -81,11 +81,11 @@ class Row:
 
 
 def bare_summary(name: str, provenance: Provenance | None = None) -> AgentSummary:
-    """Return a player of which nothing was loaded: a scripted one, or one of a stored comparison.
+    """Return the summary of an agent that is not loaded: scripted, or of a stored comparison.
 
     Args:
-        name: Of a scripted one; otherwise what it was called.
-        provenance: Of a stored comparison's; then its folder is not known.
+        name: Of a scripted player, or the name in the comparison.
+        provenance: Of an agent of a stored comparison, whose folder is not known.
     """
     usual = EnvironmentCard()
     scripted = AgentSummary(
@@ -225,7 +225,7 @@ class Evaluation:
         descending: bool = False,
         wanted: str = "",
     ) -> list[Row]:
-        """The table.
+        """Return the rows of the table.
 
         Args:
             sort: By what; results that are not there yet come last.
@@ -308,7 +308,7 @@ class Evaluation:
         return lines[-1] if lines and "mean_solve_rate" in lines[-1] else None
 
     def results(self, agent: int) -> list[LevelResult]:
-        """An agent's results in the order in which the levels were asked for."""
+        """Return an agent's results in the order in which the levels were asked for."""
         if self.plan is None or self.standing is None:
             return []
         found = (self.result(agent, level.name) for level in self.plan.levels)
@@ -348,7 +348,7 @@ class Evaluation:
         return text_of(suffix, self.contenders(), hashes, __version__)
 
     def json_lines(self) -> str:
-        """The lines that `kinetix eval --json` prints, an agent after the other."""
+        """Return the lines that `kinetix eval --json` prints, an agent after the other."""
         if self.plan is None:
             return ""
         lines = [line for k in range(len(self.plan.agents)) for line in self.lines(k)]

@@ -8,7 +8,8 @@ class EvaluationForm:
     """Content of the fields of *Evaluate*."""
 
     source: str = "this"
-    """Which levels: "this" one in front, a size ("s", "m", "l"), "chosen", "folder", or "set"."""
+    """Levels to measure: "this" one in front, a size ("s", "m", "l"), "chosen", "folder", or
+    "set"."""
     paths: tuple[str, ...] = ()
     """The folder or file of these levels, where one was chosen; the gallery's are not kept."""
     attempts: int = 20

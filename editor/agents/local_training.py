@@ -26,14 +26,14 @@ LOG: Final = "training.log"
 BUSY: Final = (
     "An agent is being trained already: stop it in the Training panel, or wait until it has ended."
 )
-"""Why no other training can begin."""
+"""Refusal while another training runs."""
 
 
 class Process(Protocol):
     """The part of `subprocess.Popen` that is used."""
 
     def poll(self) -> int | None:
-        """The exit status, or None while it runs."""
+        """Return the exit status, or None while it runs."""
         ...
 
     def send_signal(self, sig: int, /) -> None:
@@ -109,7 +109,7 @@ class LocalTraining:
             steps: How many environment steps it shall have made in all; None: as many as before.
 
         Raises:
-            CommandError: Its words cannot be kept in the folder.
+            CommandError: The command line cannot be stored in the folder.
         """
         more = () if steps is None else ("--total-timesteps", str(steps))
         self._train(run, (algorithm, *more))
@@ -149,9 +149,9 @@ class LocalTraining:
             return []
 
     def ended(self) -> str | None:
-        """Return once how it ended: nothing when all is well, else one sentence; None: it did not.
+        """Return, once, "" for a normal end or the error message; None while it runs.
 
-        What it was stopped by the user for is no failure.
+        Stopping it is not an error.
         """
         if self._process is None or self.running:
             return None

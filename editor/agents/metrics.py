@@ -17,7 +17,7 @@ class Metrics:
         self._columns: dict[str, tuple[array[float], array[float]]] = {}
         self._count = 0
         self.steps: int | None = None
-        """Environment steps of the last row, where it says them."""
+        """Environment steps of the last row, if it has them."""
         self.extend(rows)
 
     def __len__(self) -> int:

@@ -39,7 +39,7 @@ class Reasons:
             moment: A snapshot with a state, or None for the level's start.
             agent: Whose network.
             physics: Under which it plays.
-            body: Id of the body whose places are told; None: none.
+            body: Id of the body whose path is explained; None: none.
         """
         asked = (id(level), id(moment), agent, physics, body, self.about)
         if self.pending or asked == self._of:

@@ -20,7 +20,7 @@ class RunWatch:
         self.path = ""
         """The run's folder; empty: none is watched."""
         self.metrics = Metrics()
-        """Its metrics; others where they were read anew."""
+        """Metrics of the run; another object once they were read again."""
         self.newest: int | None = None
         """Environment steps of the newest checkpoint."""
         self.error = ""

@@ -83,7 +83,7 @@ class Viewer:
         self.curriculum = CurriculumWatch(worker)
         self.reasons = Reasons(worker)
         self.asked_body: int | None = None
-        """Id of the body that was pulled at last, whose places are told."""
+        """Id of the body that was pulled at last, whose path is explained."""
         self.other_runs: tuple[RunWatch, ...] = ()
         """Runs whose curves are shown beside those of `run`; their agents are not taken."""
         self.follow_run = True
@@ -103,7 +103,7 @@ class Viewer:
         """The episode that the rival belongs to."""
 
     def casting(self, slot: SlotName) -> Casting | None:
-        """The agent of a slot with its draws, or None when there is none."""
+        """Return the agent of a slot with its random numbers; None for an empty slot."""
         summary = self.slots[slot].summary
         return None if summary is None else self.cast(summary)
 
@@ -120,7 +120,7 @@ class Viewer:
 
     @property
     def draws(self) -> "Viewer | Guest":
-        """Whose seed, attempt and choice of actions hold now: the guest's, or the viewer's own."""
+        """Source of seed, attempt and choice of actions: the guest, or the viewer itself."""
         return self.guest or self
 
     @property

@@ -87,7 +87,7 @@ def parse(text: str, unit: str = "") -> Change:
         unit: The field's unit, which may stand behind it, as another of its kind may (`20 cm`).
 
     Raises:
-        CommandError: It is neither.
+        CommandError: The text is neither a number nor a calculation.
     """
     words = text.strip()
     head, slash, per = unit.partition("/")

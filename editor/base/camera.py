@@ -37,25 +37,25 @@ class Camera:
         return PIXELS_PER_UNIT * self.zoom
 
     def to_screen(self, world: Point) -> Point:
-        """Window pixels of a level point."""
+        """Return the window pixels of a level point."""
         return (
             self.origin[0] + self.size[0] / 2 + (world[0] - self.centre[0]) * self.scale,
             self.origin[1] + self.size[1] / 2 - (world[1] - self.centre[1]) * self.scale,
         )
 
     def to_world(self, screen: Point) -> Point:
-        """Level point under a window pixel."""
+        """Return the level point under a window pixel."""
         return (
             self.centre[0] + (screen[0] - self.origin[0] - self.size[0] / 2) / self.scale,
             self.centre[1] - (screen[1] - self.origin[1] - self.size[1] / 2) / self.scale,
         )
 
     def length(self, pixels: float) -> float:
-        """Metres that so many pixels cover."""
+        """Return metres that so many pixels cover."""
         return pixels / self.scale
 
     def with_viewport(self, origin: Point, size: Point) -> "Camera":
-        """The same look in a viewport that moved or was resized."""
+        """Return the same look in a viewport that moved or was resized."""
         if origin == self.origin and size == self.size:
             return self
         return dataclasses.replace(self, origin=origin, size=(max(size[0], 1.0), max(size[1], 1.0)))

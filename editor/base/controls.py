@@ -67,7 +67,7 @@ GLYPHS: Final = {"left": "←", "right": "→", "up": "↑", "down": "↓"}
 
 
 def action_of(held: Collection[str], keys: Mapping[str, Drive] = DEFAULT_KEYS) -> tuple[int, ...]:
-    """The multi-discrete action of the held keys; opposite keys of one motor cancel.
+    """Return the multi-discrete action of the held keys; opposite keys of one motor cancel.
 
     Args:
         held: Names of the keys that are down.

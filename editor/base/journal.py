@@ -6,7 +6,7 @@ from typing import Final
 CAPACITY: Final = 400
 """Messages that are kept."""
 NEIGHBOURS: Final = 8
-"""Among so many of the newest a repeat is found: what fails in every frame writes several."""
+"""Repeats are detected among this many newest messages."""
 
 
 @dataclasses.dataclass(kw_only=True)
@@ -58,5 +58,5 @@ class Journal:
         return True
 
     def since(self, serial: int) -> tuple[str, ...]:
-        """The messages that came, or came again, after a number of `serial`."""
+        """Return the messages that came, or came again, after a number of `serial`."""
         return tuple(entry.text for entry in tuple(self._entries) if entry.serial > serial)

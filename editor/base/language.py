@@ -29,9 +29,9 @@ _HOLE: Final = re.compile(r"\{(\d)(!?)\}")
 _DEEPEST: Final = 3
 """Depth to which holes may contain holes."""
 _SAYS_MUCH: Final = 12
-"""A form with fewer characters besides its holes fits many sentences that mean something else."""
+"""Templates with fewer fixed characters are ignored: they match unrelated sentences."""
 _LONGEST_NAME: Final = 5
-"""So many words may be a name."""
+"""Most words of a name."""
 _SENTENCE: Final = re.compile(r"[.?!;:] ")
 """Punctuation inside a sentence or after it."""
 

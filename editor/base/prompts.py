@@ -74,7 +74,7 @@ class FileQuestion:
     as_folder: bool = False
     """True if what is saved under the name is a folder."""
     error: str = ""
-    """Why what was answered before could not be done."""
+    """Error of the answer before."""
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)

@@ -54,9 +54,9 @@ class Settings:
     front_file: str = ""
     """The one of them that was in front."""
     window_width: Annotated[int, Meta(ge=0, le=LARGEST_SIDE)] = 0
-    """Of the window when the app closed last [px]; 0: the usual one."""
+    """Width of the window when the app closed last [px]; 0: the usual one."""
     window_height: Annotated[int, Meta(ge=0, le=LARGEST_SIDE)] = 0
-    """Likewise."""
+    """Height of the window when the app closed last [px]; 0: the usual one."""
     save_folder: str = ""
     """Folder of the level that was saved last, unless it came with the app."""
     export_folder: str = ""
@@ -73,7 +73,7 @@ class Settings:
     minimap: bool = False
     """True if the canvas has a small map of the arena in its corner."""
     grid_step: Annotated[float, Meta(ge=1e-3, le=10.0)] = 0.1
-    """[m]"""
+    """Distance of grid lines [m]."""
     angle_step_deg: Annotated[float, Meta(ge=0.1, le=180.0)] = 15.0
     nudge_step: Annotated[float, Meta(ge=1e-4, le=10.0)] = 0.05
     """Step of an arrow key [m]."""
@@ -104,7 +104,7 @@ class Settings:
     """Role marks on bodies."""
     patterns: bool = False
     ui_scale: Annotated[float, Meta(ge=0.0, le=LARGEST_SCALE)] = 0.0
-    """0: as the display says."""
+    """0: as the display reports."""
     text_scale: Annotated[float, Meta(ge=0.5, le=2.0)] = 1.0
     """Size of the text besides the interface's: 0.85 to 1.3."""
     radians: bool = False
@@ -148,7 +148,7 @@ class Settings:
         """Write the file.
 
         Raises:
-            LevelError: It cannot be written.
+            LevelError: The file cannot be written.
         """
         write_state(path or settings_path(), dataclasses.asdict(self))
 
@@ -176,7 +176,7 @@ class SettingsKeeper:
         self._stored = stored
         self._written = self._tried = dataclasses.asdict(settings)
         self.fault = state_fault(path or settings_path()) if stored else ""
-        """Why the file could not be read; empty where it could, or there was none."""
+        """Error of reading the file; empty if it could be read, or does not exist."""
 
     def save(self, *, again: bool = False) -> None:
         """Write what has changed since it was read or written last.
@@ -185,7 +185,7 @@ class SettingsKeeper:
             again: Whether to try also what could not be written before.
 
         Raises:
-            LevelError: It cannot be written; it is not tried again before something else changes.
+            LevelError: The file cannot be written; the next change tries again.
         """
         now = dataclasses.asdict(self._settings)
         changed = {name: value for name, value in now.items() if value != self._written[name]}

@@ -51,7 +51,7 @@ def read_state(path: Path, *, broken: Mapping[str, Any] | None = None) -> dict[s
 
     Args:
         path: The file.
-        broken: What counts as its content where it is no JSON object; nothing by default.
+        broken: Value to return if the file is not a JSON object; an empty one by default.
     """
     try:
         return _object(path)
@@ -60,7 +60,7 @@ def read_state(path: Path, *, broken: Mapping[str, Any] | None = None) -> dict[s
 
 
 def state_fault(path: Path) -> str:
-    """Return why a file cannot be read; empty where it can, or where there is none."""
+    """Return why a file cannot be read; empty if it can, or if it does not exist."""
     try:
         _object(path)
     except FileError as error:
@@ -78,7 +78,7 @@ def _object(path: Path) -> dict[str, Any]:
 def write_state(
     path: Path, tree: Mapping[str, Any], *, sound: bool = False, indent: int | None = 1
 ) -> os.stat_result | None:
-    """Write a file whole, making its folder where there is none; a broken one stays as a backup.
+    """Write a file atomically, making its folder if needed; a broken one stays as a backup.
 
     Args:
         path: The file.
@@ -90,7 +90,7 @@ def write_state(
         The state of the new file as `write_atomically` does; None if it replaced a broken one.
 
     Raises:
-        LevelError: It cannot be written.
+        LevelError: The file cannot be written.
     """
     try:
         path.parent.mkdir(parents=True, exist_ok=True)

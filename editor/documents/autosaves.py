@@ -83,13 +83,13 @@ class Autosaves:
         self._watched: dict[int, _Watched] = {}
         self._open: tuple[str, ...] = ()
         self._refused: tuple[tuple[str, ...], float] = (), 0.0
-        """Open files that could not be told, and when they are tried again."""
+        """Open files that could not be listed, and when they are tried again."""
         self._wake = threading.Condition()
         self._thread: threading.Thread | None = None
         self._busy = self._ended = False
         self._locking = threading.Lock()
         self._failed: list[tuple[_Watched, str]] = []
-        """Copies that could not be written, or are gone, with the reason; empty: it is not told."""
+        """Copies that could not be written, or are gone, with the reason; empty: not reported."""
 
     @property
     def folder(self) -> Path:
@@ -217,7 +217,7 @@ class Autosaves:
         """Wait until everything is on the disk.
 
         Raises:
-            KinetixError: It could not be written.
+            KinetixError: A copy could not be written.
         """
         with self._wake:
             while self._thread is not None and (self._busy or self._due()):
@@ -228,7 +228,7 @@ class Autosaves:
         """Tell other runs which files this one has open.
 
         Raises:
-            LevelError: It cannot be written; it is tried again later without a word.
+            LevelError: The list cannot be written; it is tried again later, silently.
         """
         names = tuple(sorted(str(file.resolve()) for file in files))
         refused, until = self._refused
@@ -307,7 +307,7 @@ class Autosaves:
         """Make the folder of the run and lock it, again where somebody has removed it.
 
         Raises:
-            LevelError: It cannot be made.
+            LevelError: The folder cannot be made.
         """
         with self._locking:
             if self._lock is not None:

@@ -31,7 +31,7 @@ _TOLD_AS_VALUES: Final = ("E011", "E012")
 
 
 def same_content(a: Level, b: Level) -> bool:
-    """Return whether two levels say the same; the id counter does not count."""
+    """Return whether two levels are equal but for the id counter."""
     return a is b or a.replace(next_id=b.next_id) == b
 
 
@@ -47,7 +47,7 @@ def _refuse_unwritable(after: Level, before: Level) -> None:
     """Refuse a change with which a file could be written, but not opened again.
 
     Raises:
-        CommandError: The change does that; the sentence says what no file can hold.
+        CommandError: The change does that; the message says what no file can hold.
     """
     for kind in ("bodies", "joints", "thrusters"):
         count = len(getattr(after, kind))
@@ -206,7 +206,7 @@ class Document:
 
     @property
     def untouched(self) -> bool:
-        """True if nothing is lost with it: no file, no change, nothing to undo."""
+        """True if it can be closed without loss: no file, no change, nothing to undo."""
         return self.path is None and not self.dirty and not self.edited
 
     @property
@@ -279,7 +279,7 @@ class Document:
             Whether anything changed, what is new, what else happened.
 
         Raises:
-            CommandError: It cannot be done; the document is as before.
+            CommandError: The command cannot be done; the document is unchanged.
         """
         before = self._history.current.value
         after = command.apply(self.level)
@@ -317,14 +317,14 @@ class Document:
         return Outcome(changed=True, created=created, notices=tuple(notices))
 
     def undo(self) -> str | None:
-        """Take the last entry back; returns its label, or None when there is none."""
+        """Take the last entry back; returns its label, or None if there is none."""
         self._preview = None
         label = self._history.undo_label
         self._show(self._history.undo())
         return label
 
     def redo(self) -> str | None:
-        """Do the next entry again; returns its label, or None when there is none."""
+        """Do the next entry again; returns its label, or None if there is none."""
         self._preview = None
         label = self._history.redo_label
         self._show(self._history.redo())

@@ -48,7 +48,7 @@ def open_document(path: str | Path, waiting: OldNames | None = None) -> Document
 
 
 def lost_on_save(level: Level, path: Path, format: Format) -> tuple[str, ...]:
-    """The fields that a save in this format would not carry."""
+    """Return the fields that a save in this format would not carry."""
     return lost_fields(level, stem=path.stem) if format == "kinetix-env" else ()
 
 

@@ -99,7 +99,7 @@ class History(Generic[T, S]):
         """Move the cursor to any snapshot.
 
         Raises:
-            IndexError: There is no such snapshot.
+            IndexError: No snapshot has this index.
         """
         if not 0 <= index < len(self._entries):
             raise IndexError(f"no history entry {index}; there are {len(self._entries)}")
@@ -108,9 +108,9 @@ class History(Generic[T, S]):
         return self.current
 
     def undo(self) -> Entry[T, S] | None:
-        """One step back, or None at the beginning."""
+        """Go one step back, or None at the beginning."""
         return self.jump(self._cursor - 1) if self._cursor > 0 else None
 
     def redo(self) -> Entry[T, S] | None:
-        """One step forward, or None at the end."""
+        """Go one step forward, or None at the end."""
         return self.jump(self._cursor + 1) if self._cursor + 1 < len(self._entries) else None

@@ -111,7 +111,7 @@ def _read(file: Path) -> Recovery:
     """Read a copy.
 
     Raises:
-        KinetixError: It cannot be read, or is damaged.
+        KinetixError: The copy cannot be read, or is damaged.
     """
     record: Any = parse(read_text(file, "level"), file)
     try:

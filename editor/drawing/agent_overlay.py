@@ -42,7 +42,7 @@ _LEAST: Final = 128.0
 
 
 def lean_colour(value: float) -> Rgba:
-    """A diverging scale: −1 blue, 0 white, +1 red."""
+    """Return a diverging scale: −1 blue, 0 white, +1 red."""
     end = _FORWARD if value > 0 else _BACKWARD
     share = min(abs(value), 1.0)
     red, green, blue = (

@@ -232,7 +232,7 @@ class Marker:
 
 
 def _grown(points: list[Point], by: float) -> list[Point]:
-    """A convex polygon with its corners pushed away from the middle [px]."""
+    """Return a convex polygon with its corners pushed away from the middle [px]."""
     cx = sum(x for x, _ in points) / len(points)
     cy = sum(y for _, y in points) / len(points)
     grown = []

@@ -64,7 +64,7 @@ class Minimap:
     def paint(
         self, session: "Session", draw: imgui.ImDrawList, where: Placement, corner: Point
     ) -> None:
-        """Draw it.
+        """Draw the map.
 
         Args:
             session: Whose camera it shows.

@@ -65,7 +65,7 @@ def _told(session: "Session", overlay: str) -> Explained | None:
         return None
     playback = session.playback
     level = playback.level if playback.active else session.document.level
-    # In Edit a drag shows the level as it will be; what was told of it a moment ago still serves.
+    # In Edit a drag shows the level as it will be; the last answer still serves.
     same = reasons.level is not None and level is not None
     if not same or len(reasons.level.bodies) != len(level.bodies):  # pyright: ignore
         return None
@@ -140,7 +140,7 @@ _PLATE: Final = imgui.color_convert_float4_to_u32((1.0, 1.0, 1.0, 0.85))
 
 
 def paint_legend(session: "Session", draw: imgui.ImDrawList, corner: tuple[float, float]) -> None:
-    """Say what the colours mean, a line per overlay that is on.
+    """Write the legend of the colours, a line per overlay that is on.
 
     Args:
         session: The app.

@@ -42,7 +42,7 @@ Pose = tuple[float, float, float]
 
 
 def pack(colour: Rgb, opacity: float = 1.0) -> int:
-    """A colour as draw lists take it."""
+    """Return a colour as draw lists take it."""
     red, green, blue = colour
     return round(opacity * 255) << 24 | blue << 16 | green << 8 | red
 
@@ -94,7 +94,7 @@ class Painter:
     """Of everything that is drawn (ghosts are fainter)."""
 
     def colour(self, rgb: Rgb) -> int:
-        """The colour at the painter's opacity."""
+        """Return the colour at the painter's opacity."""
         return pack(rgb, self.opacity)
 
     def outline_px(self) -> float:
@@ -106,7 +106,7 @@ class Painter:
         return max(self.style.mark_outline * self.camera.scale, self.style.least_outline / 2)
 
     def place(self, pose: Pose, points: Sequence[Point]) -> list[Point]:
-        """Points of a body's frame on the screen [px]."""
+        """Return points of a body's frame on the screen [px]."""
         camera = self.camera
         scale = camera.scale
         c, s = math.cos(pose[2]) * scale, math.sin(pose[2]) * scale
@@ -234,7 +234,7 @@ class Painter:
         self.draw.add_circle_filled((x, y), max(r - line, 0.0), self.colour(fill))
 
     def thruster(self, thruster: Thruster, at: Point, angle: float, *, level: float = 1.0) -> None:
-        """A thruster's mark.
+        """Draw a thruster's mark.
 
         Args:
             thruster: The thruster.
@@ -286,7 +286,7 @@ def _stripes(body: Body, angle: float, period: float, margin: float) -> list[tup
 
 
 def joint_colour(joint: Joint, palette: Palette) -> Rgb:
-    """Colour of a joint's mark: its binding's, or neutral when nothing drives it."""
+    """Return colour of a joint's mark: its binding's, or neutral when nothing drives it."""
     if joint.kind == "fixed" or joint.motor is None or not joint.motor.on:
         return palette.uncontrolled
     return palette.motor_bindings[joint.motor.binding]
@@ -314,7 +314,7 @@ class Placement:
         return self.poses[at] if at is not None else None
 
     def point(self, reference: BodyReference, local: Point) -> Point:
-        """A point of a body's frame in the world [m]."""
+        """Return a point of a body's frame in the world [m]."""
         x, y, angle = self.pose(reference) or (0.0, 0.0, 0.0)
         c, s = math.cos(angle), math.sin(angle)
         return x + c * local[0] - s * local[1], y + s * local[0] + c * local[1]
@@ -325,7 +325,7 @@ class Placement:
         return joint_place(*points, end_masses(self.level, joint))
 
     def angle(self, reference: BodyReference) -> float:
-        """Angle of a body [rad]."""
+        """Return the angle of a body [rad]."""
         return (self.pose(reference) or (0.0, 0.0, 0.0))[2]
 
 

@@ -87,13 +87,13 @@ def thruster_position(level: Level, thruster: Thruster) -> Point:
     """Return the place of a thruster [m].
 
     Raises:
-        KeyError: Its body is missing.
+        KeyError: The thruster's body is missing.
     """
     return to_world(bodies_by_id(level)[thruster.body], thruster.position)
 
 
 def reach(body: Body) -> float:
-    """Radius of the circle around the origin of a body's frame that holds the body [m]."""
+    """Return the radius of the circle about a body's origin that holds the body [m]."""
     if isinstance(body.shape, Circle):
         return body.shape.radius
     return max(math.hypot(x, y) for x, y in body.shape.vertices)
@@ -213,7 +213,7 @@ def _places(level: Level) -> Iterator[tuple[int, Point]]:
 
 
 def selected_bodies(level: Level, selection: Collection[EntityId]) -> tuple[Body, ...]:
-    """The selected bodies in list order, without the arena's."""
+    """Return the selected bodies in list order, without the arena's."""
     return tuple(body for body in level.bodies if body.id in selection)
 
 
@@ -230,7 +230,7 @@ def selection_box(level: Level, selection: Collection[EntityId]) -> Rectangle | 
 
 
 def handles(level: Level, selection: Selection, metres: float) -> tuple[Handle, ...]:
-    """The handles of a selection.
+    """Return the handles of a selection.
 
     One circle has its radius; one rectangle or quadrilateral corners and edges in its own axes; one
     triangle its vertices; a thruster its direction; a group the corners of the box around it. All
@@ -304,7 +304,7 @@ def _aim_handle(level: Level, thruster: Thruster, metres: float) -> Handle:
 
 
 def pick_handle(candidates: Collection[Handle], point: Point, radius: float) -> Handle | None:
-    """The handle under a point: the nearest within `radius` [m], or None."""
+    """Return the handle under a point: the nearest within `radius` [m], or None."""
     near = [(math.dist(h.at, point), i, h) for i, h in enumerate(candidates)]
     near = [item for item in near if item[0] <= radius]
     return min(near)[2] if near else None

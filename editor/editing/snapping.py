@@ -78,9 +78,9 @@ class Rules:
     grid: float | None
     """Width of the grid [m], or None for no grid."""
     catch: float
-    """[m]"""
+    """Distance at which a target catches [m]."""
     release: float
-    """[m]"""
+    """Distance at which a caught target lets go [m]."""
 
 
 APART: Final = 0.015
@@ -266,7 +266,7 @@ def _aligned(
     rules: Rules,
     held: float | None,
 ) -> _Catch | None:
-    """The nearest coordinate to any of the points; one that is held reaches further."""
+    """Return the nearest coordinate to any of the points; one that is held reaches further."""
     values = [coordinate.value for coordinate in coordinates]
     best: tuple[float, _Catch] | None = None
     for point in points:
@@ -293,7 +293,7 @@ def _spaced(
     boxes: tuple[tuple[float, float, float, float], ...],
     rules: Rules,
 ) -> _Catch | None:
-    """Equal gaps: in the middle between two neighbours, or as far off as they are apart."""
+    """Return equal gaps: in the middle between two neighbours, or as far off as they are apart."""
     low, high, other = axis, axis + 2, 1 - axis
     row = [b for b in boxes if b[other] < box[other + 2] and b[other + 2] > box[other]]
     before = sorted((b for b in row if b[high] <= box[low] + rules.catch), key=lambda b: -b[high])

@@ -22,7 +22,7 @@ class Card(msgspec.Struct, frozen=True, kw_only=True):
     modified_ns: int
     """Time of the file's last change [ns]."""
     bytes: int
-    """Length of the file: with the time it tells whether the card is still right."""
+    """Length of the file; with the time it shows whether the card is up to date."""
     name: str
     description: str = ""
     tags: tuple[str, ...] = ()
@@ -90,7 +90,7 @@ def fault_card(path: Path, fault: str) -> Card:
 
 
 def make_card(level: Level, path: Path, modified_ns: int, size: int, format: str) -> Card:
-    """The card of a level that was read from a file."""
+    """Return the card of a level that was read from a file."""
     issues = validate(level)
     capacity = capacity_of(level)
     driven = [j for j in level.joints if j.kind == "revolute" and j.motor and j.motor.on]

@@ -75,7 +75,7 @@ def unpack(loaded: LoadedSet, folder: Path) -> dict[Path, float]:
         The files with their weights.
 
     Raises:
-        LevelError: One cannot be written: then none stays.
+        LevelError: A level cannot be written: then none stays.
     """
     levels = tuple(dataclasses.replace(one, name=stem_of(one.name)) for one in loaded.levels)
     named = dataclasses.replace(loaded, levels=levels)

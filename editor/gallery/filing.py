@@ -35,7 +35,7 @@ _NOTE: Final = ".trashinfo"
 
 
 def stem_of(name: str) -> str:
-    """A file name without suffix for a level's name."""
+    """Return a file name without suffix for a level's name."""
     kept = "".join(c if c.isalnum() or c in "-_ " else "" for c in name).strip()
     return "_".join(kept.lower().split())[:80] or "level"
 
@@ -77,7 +77,7 @@ def rename(path: Path, name: str) -> Path:
 
 
 def duplicate(path: Path) -> Path:
-    """A copy beside the level, or in the user's folder when the level came with the app.
+    """Return a copy beside the level, or in the user's folder when the level came with the app.
 
     Returns:
         The copy's path.
@@ -100,7 +100,7 @@ def duplicate(path: Path) -> Path:
 
 
 def copy_into(path: Path, folder: Path) -> Path:
-    """A copy of a level file in another folder, which is made where it is not there.
+    """Return a copy of a level file in another folder, which is made where it is not there.
 
     Returns:
         The copy's path: with a number when something of this name is there already.
@@ -133,7 +133,7 @@ def move_into(path: Path, folder: Path) -> MovedFile:
     When something of this name is there already the file gets a number.
 
     Raises:
-        LevelError: It cannot be moved; it stays where it is.
+        LevelError: The file cannot be moved; it stays where it is.
     """
     target = free_path(folder / path.name)
     try:
@@ -150,7 +150,7 @@ def throw_away(path: Path) -> MovedFile:
     Source: the Trash specification of freedesktop.org, version 1.0 (the home trash).
 
     Raises:
-        LevelError: It cannot be moved.
+        LevelError: The file cannot be moved.
     """
     folder, notes = _trash()
     try:
@@ -231,7 +231,7 @@ def _reason(error: OSError) -> str:
 
 
 def _trash() -> tuple[Path, Path | None]:
-    """The folder of thrown files, and that of their notes."""
+    """Return the folder of thrown files, and that of their notes."""
     if sys.platform == "darwin":
         return Path.home() / ".Trash", None
     if os.name != "posix":

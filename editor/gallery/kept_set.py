@@ -35,7 +35,7 @@ class KeptSet(Kept):
             again: Whether to try also what could not be written before.
 
         Raises:
-            LevelError: It cannot be written; it is not tried again before it changes.
+            LevelError: The set cannot be written; the next change tries again.
         """
         if not self._stored or levels == self._written or (levels == self._tried and not again):
             return

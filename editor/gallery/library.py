@@ -32,7 +32,7 @@ from kinetix.paths import cache_dir
 Thumbnail = UInt8[np.ndarray, "h w 3"]
 
 INDEX_VERSION: Final = 2
-"""Rises when cards or thumbnails are made in another way: older ones are made anew."""
+"""Increases when cards or thumbnails are made in another way: older ones are rebuilt."""
 _PICTURES: Final = 320
 """Thumbnails kept in memory."""
 _BREATH: Final = 0.002
@@ -96,13 +96,13 @@ class Library:
             self._condition.notify()
 
     def card(self, path: str) -> Card | None:
-        """The card of a file, or None where none was found."""
+        """Return the card of a file, or None where none was found."""
         if self._listed is not self.cards:
             self._listed, self._by_path = self.cards, {card.path: card for card in self.cards}
         return self._by_path.get(path)
 
     def want(self, cards: Sequence[Card]) -> None:
-        """Say whose thumbnails are on the screen: they are made next, others no more."""
+        """Set which thumbnails are on the screen: they are made next, others no more."""
         with self._condition:
             self._wanted = tuple(c for c in cards if c.sha256 and c.sha256 not in self._pictures)
             if self._wanted:
@@ -212,13 +212,13 @@ class Library:
         try:
             with Image.open(self._file(sha256)) as image:
                 picture = np.asarray(image.convert("RGB"))
-        except Exception:  # whatever Pillow makes of a damaged file, it is drawn anew
+        except Exception:  # whatever Pillow raises for a damaged file, it is drawn again
             return None
         return picture if picture.shape == (SIDE, SIDE, 3) else None
 
     def _store(self, sha256: str, picture: Thumbnail) -> None:
         file = self._file(sha256)
-        # Without a cache every run draws anew; that is no reason to fail.
+        # Without a cache every run redraws; that is no reason to fail.
         with contextlib.suppress(OSError):
             file.parent.mkdir(parents=True, exist_ok=True)
             temporary = file.with_suffix(".tmp")

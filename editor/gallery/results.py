@@ -1,7 +1,7 @@
 """Results of players on levels, from play and evaluations, by the level's hash.
 
 One JSON file in the user's state folder. The gallery filters and sorts by it; a level that is
-edited has another hash and starts anew.
+edited has another hash and starts without results.
 """
 
 import contextlib
@@ -20,7 +20,7 @@ MAX_LEVELS: Final = 20_000
 _ROW: Final = (str, str, str, bool, int, str, int, int)
 """Kinds of the entries of a trial's row in the file: the trial, attempts, solved ones."""
 _ROW_WITHOUT_CARD: Final = (str, str, str, bool, int, int, int)
-"""Likewise of an older version."""
+"""Types of a row of an older version."""
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -87,7 +87,7 @@ class Results(Kept):
         return tuple(sorted({t.player for records in self._read().values() for t in records}))
 
     def of(self, sha256: str) -> dict[Trial, Record]:
-        """The records of a level, by trial."""
+        """Return the records of a level, by trial."""
         return self._read().get(sha256, {})
 
     def take_fault(self) -> str:
@@ -126,7 +126,7 @@ class Results(Kept):
         """Try again what could not be written.
 
         Raises:
-            LevelError: It still cannot.
+            LevelError: A file still cannot be written.
         """
         if self._unwritten:
             self.record_all({})
@@ -236,7 +236,7 @@ def _told_of(records: Mapping[Trial, Record], others: Any) -> Any:
 
 
 def _parse(told: Any) -> tuple[dict[Trial, Record], Any]:
-    """Return the results that the file has of a level, and what else it says about it."""
+    """Return the file's results of a level, and its other entries about it."""
     known: dict[Trial, Record] = {}
     others: list[Any] = []
     for entry in told if isinstance(told, list) else [told]:

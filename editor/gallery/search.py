@@ -50,7 +50,7 @@ class Wish:
 
 
 def wanted(cards: Iterable[Card], wish: Wish, results: Results) -> list[Card]:
-    """The cards that fulfil a wish, in its order; equal ones by name and path."""
+    """Return the cards that fulfil a wish, in its order; equal ones by name and path."""
     words = wish.words.lower().split()
     kept = [card for card in cards if _fits(card, wish, words, results)]
     kept.sort(key=lambda card: (card.name.lower(), card.path))
@@ -65,12 +65,12 @@ def wanted(cards: Iterable[Card], wish: Wish, results: Results) -> list[Card]:
 
 
 def best_rate(card: Card, results: Results) -> float:
-    """The best solve rate of anybody on a level; -1 when nobody has tried."""
+    """Return the best solve rate of anybody on a level; -1 when nobody has tried."""
     return max((r.solve_rate for r in results.of(card.sha256).values()), default=-1.0)
 
 
 def tag_counts(cards: Sequence[Card]) -> list[tuple[str, int]]:
-    """The tags of some cards with how often each occurs, the commonest first."""
+    """Return the tags of some cards with how often each occurs, the commonest first."""
     counts: dict[str, int] = {}
     for card in cards:
         for tag in card.tags:

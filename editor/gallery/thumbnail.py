@@ -32,7 +32,7 @@ _LEAST_MARK: Final = 3.0
 
 
 def draw_thumbnail(level: Level, side: int = SIDE) -> UInt8[np.ndarray, "h w 3"]:
-    """The arena as the level starts.
+    """Return the arena as the level starts.
 
     Args:
         level: The level.

@@ -66,7 +66,7 @@ class GalleryView:
     """The selection and the cards shown, as they were last, and what is chosen of them."""
 
     def shown(self, library: Library, results: Results) -> list[Card]:
-        """The cards that the wish wants, worked out once for each change.
+        """Return the cards that the wish wants, worked out once for each change.
 
         What another wish or another folder hides is no longer selected.
         """
@@ -82,7 +82,7 @@ class GalleryView:
         return self._shown[1]
 
     def chosen(self, library: Library, results: Results) -> list[Card]:
-        """The cards that are selected and in sight, or would be after scrolling."""
+        """Return the cards that are selected and in sight, or would be after scrolling."""
         shown, old = self.shown(library, results), self._chosen
         if old is None or old[0] is not self.selection or old[1] is not shown:
             self._chosen = old = (self.selection, shown, self._seen(shown))

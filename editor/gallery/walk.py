@@ -13,10 +13,10 @@ MAX_FILES: Final = 20_000
 
 
 class Walk:
-    """One way through some folders; tells what it passed over."""
+    """One walk through some folders; lists what it passed over."""
 
     def __init__(self, folders: Sequence[Path]) -> None:
-        """Begin.
+        """Begin with the first folder.
 
         Args:
             folders: Where; everything below them as well.
@@ -59,7 +59,7 @@ class Walk:
                 count += 1
 
     def _shown(self, names: Iterable[str]) -> list[str]:
-        """The names that can be shown, sorted; whether some are no text is noted."""
+        """Return the names that can be shown, sorted; whether some are no text is noted."""
         seen = [name for name in names if not name.startswith(".")]
         shown = sorted(filter(is_text, seen))
         self._unnamed |= len(shown) < len(seen)

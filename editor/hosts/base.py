@@ -29,7 +29,7 @@ class Renderer(TextureStore, Protocol):
     """Destination of finished frames."""
 
     def new_frame(self) -> None:
-        """Before `imgui.new_frame`."""
+        """Prepare a frame, before `imgui.new_frame`."""
         ...
 
     def present(self, width: int, height: int, colour: tuple[float, float, float]) -> bool:
@@ -37,7 +37,7 @@ class Renderer(TextureStore, Protocol):
         ...
 
     def shutdown(self) -> None:
-        """Before the context goes."""
+        """Free what the backend holds, before the context goes."""
         ...
 
 
@@ -85,7 +85,7 @@ class Host(abc.ABC):
 
     @abc.abstractmethod
     def _make_renderer(self) -> Renderer:
-        """The renderer for the current context."""
+        """Return the renderer for the current context."""
 
     def step(self, batch: Sequence[events.InputEvent], dt: float) -> None:
         """Run one frame.
@@ -117,7 +117,7 @@ class Host(abc.ABC):
         self.frame_count += 1
 
     def _draw(self, dt: float) -> None:
-        """Draw the frame; one that fails is told, and the window goes on.
+        """Draw the frame; one that fails is reported, and the window goes on.
 
         Raises:
             Exception: The frame failed, and going on is not wanted or has not helped.

@@ -1,6 +1,6 @@
 """Parts of the window that a frame changes: only they are drawn again.
 
-Dear ImGui describes every frame anew, whole. In software OpenGL filling all those pixels takes
+Dear ImGui describes every frame from scratch. In software OpenGL filling all those pixels takes
 longer than everything else together, and most frames differ from the one before by a highlight and
 a number in the status bar. So the triangles of both frames are compared, window by window.
 """
@@ -84,7 +84,7 @@ def _words(buffer: Any, per_item: int) -> UInt32[np.ndarray, " n"]:
 
 
 def union(rects: Sequence[Rect]) -> Rect:
-    """The smallest rectangle around some; an empty one around none."""
+    """Return the smallest rectangle around some; an empty one around none."""
     if not rects:
         return (0.0, 0.0, 0.0, 0.0)
     lows = (min(r[0] for r in rects), min(r[1] for r in rects))
@@ -98,7 +98,7 @@ def intersection(a: Rect, b: Rect) -> Rect:
 
 
 def area(rect: Rect) -> float:
-    """Its area [px²]."""
+    """Return the area of a rectangle [px²]."""
     return max(rect[2] - rect[0], 0.0) * max(rect[3] - rect[1], 0.0)
 
 
@@ -168,7 +168,7 @@ def _agreement(a: np.ndarray, b: np.ndarray) -> int:
 
 
 def _used(one: DrawnList, command: Command) -> np.ndarray:
-    """The vertices of a command."""
+    """Return the vertices of a command."""
     _, _, count, first, offset = command
     return one.vertices[one.indices[first : first + count].astype(np.int64) + offset]
 
@@ -178,8 +178,7 @@ def _box(vertices: np.ndarray, clip: Rect) -> Rect:
     if not len(vertices):
         return (0.0, 0.0, 0.0, 0.0)
     places = np.ascontiguousarray(vertices[:, :2]).view(np.float32)
-    # A gap in a plotted curve leaves corners that are no numbers: they draw nothing, but one of
-    # them would make the whole box nothing too.
+    # A gap in a plotted curve leaves NaN corners: they draw nothing, but would make the box NaN.
     places = places[~np.isnan(places).any(axis=1)]
     if not len(places):
         return (0.0, 0.0, 0.0, 0.0)

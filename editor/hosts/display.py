@@ -36,7 +36,7 @@ def start_display() -> None:
     """Start pygame's display.
 
     Raises:
-        pygame.error: There is none.
+        pygame.error: The machine has no display.
     """
     # Where this is not set, Wayland's library writes an error, though all that follows works.
     name = "XDG_RUNTIME_DIR"

@@ -35,9 +35,9 @@ class FirstSeconds:
     real_time: float
     """Simulated time over wall time while the rest was compiled."""
     frame_median: float
-    """[ms]"""
+    """Median duration of a frame [ms]."""
     frame_longest: float
-    """[ms]"""
+    """Longest duration of a frame [ms]."""
     compiling: float
     """Duration of the rest [s]."""
 
@@ -65,7 +65,7 @@ def main() -> None:
     last = time.perf_counter()
 
     def frame() -> float:
-        """A frame at its time; its wall time, the sleep left out."""
+        """Return a frame at its time; its wall time, the sleep left out."""
         nonlocal last
         begin = time.perf_counter()
         host.step((), begin - last)
@@ -122,7 +122,7 @@ def _written() -> bool:
 
 
 def measure(level: str = "l/rover_ridge") -> tuple[FirstSeconds, FirstSeconds]:
-    """The first day, with an empty cache, and the second."""
+    """Return the first day, with an empty cache, and the second."""
     with tempfile.TemporaryDirectory() as cache:
         variables = {"TF_CPP_MIN_LOG_LEVEL": "3", **os.environ, "XDG_CACHE_HOME": cache}
         variables.pop("JAX_COMPILATION_CACHE_DIR", None)

@@ -91,11 +91,11 @@ class Canvas:
         """Make one; its content is undefined at first.
 
         Raises:
-            KinetixError: The driver cannot draw into pictures.
+            KinetixError: The driver has no framebuffer objects.
         """
         gl = _library()
         if not all(hasattr(gl, name) for name in _CANVAS_FUNCTIONS):
-            raise KinetixError("this OpenGL cannot draw into pictures")
+            raise KinetixError("this OpenGL has no framebuffer objects")
         self.size = (width, height)
         self._texture = create_texture()
         gl.glTexImage2D(_TEXTURE_2D, 0, _RGB8, width, height, 0, _RGB, _UNSIGNED_BYTE, None)
@@ -110,7 +110,7 @@ class Canvas:
         self.unbind()
         if not complete:
             self.delete()
-            raise KinetixError("this OpenGL cannot draw into pictures")
+            raise KinetixError("this OpenGL has no framebuffer objects")
 
     def bind(self) -> None:
         """Draw into it from now on."""
@@ -138,7 +138,7 @@ class Canvas:
         return pixels
 
     def delete(self) -> None:
-        """Free it."""
+        """Free the framebuffer."""
         gl = _library()
         gl.glDeleteFramebuffers(1, ctypes.byref(ctypes.c_uint(self._name)))
         delete_texture(self._texture)
@@ -160,7 +160,7 @@ def finish() -> None:
 
 
 def read_pixels(width: int, height: int) -> np.ndarray:
-    """The framebuffer as it is now.
+    """Return the framebuffer as it is now.
 
     Args:
         width: Width of the framebuffer [px].
@@ -179,7 +179,7 @@ def read_pixels(width: int, height: int) -> np.ndarray:
 
 
 def create_texture() -> int:
-    """A new, empty texture with linear filtering.
+    """Return a new, empty texture with linear filtering.
 
     Returns:
         Its OpenGL name.
@@ -204,7 +204,7 @@ def upload_texture(name: int, image: np.ndarray, *, resized: bool) -> None:
     Args:
         name: The texture.
         image: uint8[height, width, 3 or 4], top row first.
-        resized: Whether the texture's storage must be made anew for this size.
+        resized: Whether the texture's storage must be allocated for this size.
     """
     gl = _library()
     height, width, channels = image.shape

@@ -22,7 +22,7 @@ class HeadlessHost(Host):
         return NullRenderer()
 
     def resize(self, size: tuple[int, int]) -> bool:
-        """See `Host.resize`."""
+        """Change the size of the window, as `Host.resize` does."""
         self.size = size
         return True
 

@@ -32,7 +32,7 @@ class OffscreenHost(PygameHost):
         return self._pictures
 
     def resize(self, size: tuple[int, int]) -> bool:
-        """See `Host.resize`."""
+        """Change the size of the window, as `Host.resize` does."""
         self.size = size
         self._pictures.leave_window()
         return True

@@ -36,7 +36,7 @@ _PLACES: Final = {
 
 
 def modifiers(mask: int) -> events.Modifiers:
-    """The modifiers of a key event; Cmd counts as Ctrl."""
+    """Return the modifiers of a key event; Cmd counts as Ctrl."""
     return events.Modifiers(
         ctrl=bool(mask & (pygame.KMOD_CTRL | pygame.KMOD_META)),
         shift=bool(mask & pygame.KMOD_SHIFT),
@@ -111,7 +111,7 @@ _TRANSLATE: dict[int, Callable[[pygame.event.Event], events.InputEvent | None]] 
 
 
 def translate(event: pygame.event.Event) -> events.InputEvent | None:
-    """One pygame event as ours.
+    """Return one pygame event as ours.
 
     Args:
         event: Any event of pygame's queue.

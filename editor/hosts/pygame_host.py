@@ -54,7 +54,7 @@ _SETTLE_FRAMES = 4
 
 
 def automatic_scale(desktop_height: int) -> float:
-    """The UI scale for a screen: pygame tells no pixel density, so the height must do.
+    """Return the UI scale for a screen: pygame tells no pixel density, so the height must do.
 
     Args:
         desktop_height: Height of the desktop [px].
@@ -66,7 +66,7 @@ def automatic_scale(desktop_height: int) -> float:
 
 
 def _icon() -> pygame.Surface:
-    """The window's sign: a green ball about to meet a blue one."""
+    """Return the window's sign: a green ball about to meet a blue one."""
     side = 64
     icon = pygame.Surface((side, side), pygame.SRCALPHA)
     pygame.draw.rect(icon, (25, 28, 34), icon.get_rect(), border_radius=14)
@@ -231,7 +231,7 @@ class PygameHost(Host):
             self.size = pygame.display.get_window_size()
 
     def screenshot(self) -> np.ndarray:
-        """The window as drawn last: uint8[height, width, 3], top row first."""
+        """Return the window as drawn last: uint8[height, width, 3], top row first."""
         return self._pictures.pixels(*self.size, COLOURS.backdrop[:3])
 
     def save_screenshot(self, path: Path) -> None:

@@ -48,7 +48,7 @@ class Recorder:
             path: The script's file.
 
         Raises:
-            KinetixError: It cannot be written, or holds something that is no script.
+            KinetixError: The file cannot be written, or exists and is not a script.
         """
         self._session = session
         self._path = path
@@ -166,7 +166,9 @@ def _make_way(path: Path) -> None:
     if os.path.isfile(path):
         lines = filter(str.strip, read_text(path, "script").splitlines())
         if not _is_event(next(lines, '{"do": ""}')):
-            raise KinetixError(f"{path}: is no recorded script, and stays; name a new .jsonl file")
+            raise KinetixError(
+                f"{path}: exists and is not a recorded script; choose another file name"
+            )
     write_with_backup(path, b"", keep_all=True)
 
 

@@ -41,7 +41,7 @@ class GlRenderer:
     """
 
     def __init__(self, window: Window = Window.FADES) -> None:
-        """Start it.
+        """Start the renderer of a window.
 
         Args:
             window: What becomes of the window's content.
@@ -120,7 +120,7 @@ class GlRenderer:
         self._window = Window.UNSEEN
 
     def _canvas_of(self, width: int, height: int) -> gl.Canvas | None:
-        """The picture that lasts, as large as the window; None where there can be none."""
+        """Return the picture that lasts, as large as the window; None where there can be none."""
         if not self._keeps or (self._canvas is not None and self._canvas.size == (width, height)):
             return self._canvas
         if self._canvas is not None:
@@ -144,7 +144,7 @@ class GlRenderer:
         return gl.read_pixels(width, height)
 
     def texture(self, key: str, image: np.ndarray, stamp: int) -> imgui.ImTextureRef:
-        """See `TextureStore.texture`."""
+        """Return the texture of an image, as `TextureStore.texture` does."""
         slot = self._slots.get(key)
         if slot is None:
             slot = _Slot(name=gl.create_texture(), shape=(), stamp=-1)
@@ -205,7 +205,7 @@ class NullRenderer:
         imgui.get_io().backend_flags |= imgui.BackendFlags_.renderer_has_textures.value
 
     def new_frame(self) -> None:
-        """Nothing to prepare."""
+        """Do nothing: this renderer needs no preparation."""
 
     def present(self, width: int, height: int, colour: tuple[float, float, float]) -> bool:
         """Tell Dear ImGui that its textures are where it wants them."""
@@ -222,7 +222,7 @@ class NullRenderer:
         return True
 
     def texture(self, key: str, image: np.ndarray, stamp: int) -> imgui.ImTextureRef:
-        """See `TextureStore.texture`."""
+        """Return the texture of an image, as `TextureStore.texture` does."""
         del key, image, stamp
         return imgui.ImTextureRef(1)
 

@@ -13,7 +13,7 @@ RATE: Final = 44_100
 
 
 def _tone(hertz: float, seconds: float, *, fade: float) -> np.ndarray:
-    """A sine that dies away; `fade` is the time in which it falls to a third [s]."""
+    """Return a sine that dies away; `fade` is the time in which it falls to a third [s]."""
     time = np.arange(round(seconds * RATE)) / RATE
     rise = np.minimum(time / 0.004, 1.0)
     return rise * np.exp(-time / fade) * np.sin(2 * np.pi * hertz * time)

@@ -27,7 +27,7 @@ class Moment:
 
     @property
     def begin(self) -> str:
-        """Say when it is: `step 57`."""
+        """Return when it is: `step 57`."""
         return f"step {self.snapshot.step}"
 
 

@@ -38,7 +38,7 @@ class Playback(Show):
         self.speed = 1.0
         """Target, in multiples of real time."""
         self.restart_automatically = False
-        """Start anew after an end, a second later."""
+        """Restart a second after the end."""
         self.episode = 0
         """Rises with every episode that starts."""
         self.failure = ""
@@ -176,7 +176,7 @@ class Playback(Show):
             episode.snapshot = earlier
 
     def reset(self) -> None:
-        """Start the episode anew, or where it was changed; a paused one stays paused.
+        """Restart the episode, from where it was changed if it was; a paused one stays paused.
 
         In place of a player that is known by name only, as a file's is, a person plays.
         """
@@ -208,7 +208,7 @@ class Playback(Show):
         Args:
             trace: The episode.
             level: Its level.
-            casting: The agent that goes on when it is branched from, or begun anew under the same
+            casting: The agent that goes on when it is branched from, or restarted under the same
                 physics; None: a person.
             player: Name of the agent.
         """
@@ -249,7 +249,7 @@ class Playback(Show):
             self.state.episode.snapshot = moments[self.state.index]
 
     def branch(self) -> None:
-        """Play on from the moment of the replay on show; paused until told to go."""
+        """Play on from the moment of the replay on show; paused at first."""
         state, shown = self.state, self.snapshot
         if not isinstance(state, Replaying) or not self.can_branch or shown is None:
             return

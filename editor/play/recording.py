@@ -54,6 +54,6 @@ class Recording:
 
 
 def _since(trace: Trace, step: int) -> Trace:
-    """The part of a trace from an environment step on; all of it when nothing follows."""
+    """Return the part of a trace from an environment step on; all of it when nothing follows."""
     start = next((k for k, s in enumerate(trace.snapshots) if s.step >= step), 0)
     return trace.part(start, len(trace.snapshots) - 1)

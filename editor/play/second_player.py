@@ -145,7 +145,7 @@ class Follower:
             self._beyond = min(self._beyond + seconds * ENGINE_STEPS_PER_SECOND, max(most, 0.0))
 
     def _do_the_same(self, actions: Sequence[Action]) -> None:
-        """Ask for the steps of the first episode; where that has taken another turn, go back."""
+        """Request the first episode's steps; rewind if its actions have diverged."""
         if self.simulator.outstanding:
             return
         common = min(len(actions), len(self._used))
@@ -169,7 +169,7 @@ class Follower:
         return self.snapshots[0].frame_skip if self.snapshots else FRAME_SKIP
 
     def shown(self, engine_step: int) -> Snapshot | None:
-        """The moment that belongs to an engine step; the last one where it has ended before.
+        """Return the moment that belongs to an engine step; the last one where it has ended before.
 
         Where it goes on by itself after the first one's end, that is added.
         """

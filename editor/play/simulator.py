@@ -55,6 +55,6 @@ class Simulator(Protocol):
         """Snapshots that arrived since the last call, in order.
 
         Raises:
-            KinetixError: The simulation failed; the sentence says why.
+            KinetixError: The simulation failed; the message says why.
         """
         ...

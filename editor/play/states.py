@@ -30,7 +30,7 @@ class Episode:
     physics: str = ""
     """Physics preset that it is played under; empty until it begins."""
     own_physics: str = ""
-    """Preset that it begins anew under, as an attempt of an evaluation; empty: the chosen one."""
+    """Preset that it restarts under, as an attempt of an evaluation; empty: the chosen one."""
     since: Snapshot | None = None
     """The moment whose level was changed: it begins there; None: at the level's first state."""
     snapshot: Snapshot | None = None

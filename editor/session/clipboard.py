@@ -7,7 +7,7 @@ class Clipboard(Protocol):
     """The system's clipboard, text only."""
 
     def get(self) -> str:
-        """The text it holds, or nothing."""
+        """Return the text it holds, or nothing."""
         ...
 
     def set(self, text: str) -> None:
@@ -22,7 +22,7 @@ class MemoryClipboard:
         self._text = ""
 
     def get(self) -> str:
-        """The text it holds."""
+        """Return the text that it holds."""
         return self._text
 
     def set(self, text: str) -> None:

@@ -165,7 +165,7 @@ class Session:
 
     @property
     def log(self) -> Journal:
-        """Everything that was said."""
+        """All messages."""
         return self.messages.log
 
     @property
@@ -232,7 +232,7 @@ class Session:
         return math.radians(self.settings.angle_step_deg)
 
     def rules(self, modifiers: Modifiers = NO_MODIFIERS) -> Rules:
-        """Active snaps; Ctrl inverts them."""
+        """Return active snaps; Ctrl inverts them."""
         smart = self.settings.snap_smart != modifiers.ctrl
         grid = self.settings.snap_grid != modifiers.ctrl
         return Rules(
@@ -343,7 +343,7 @@ class Session:
         self.messages.toast(text, kind, action=action, offered=offered)
 
     def complain(self, text: str) -> None:
-        """Say why something was not done."""
+        """Show why something was not done."""
         self.toast(text, "warning")
 
     def ask(self, prompt: Prompt) -> None:

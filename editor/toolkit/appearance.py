@@ -21,7 +21,7 @@ class Colours:
     backdrop: Rgba
     """Behind everything, and the canvas around the arena."""
     surface: Rgba
-    """Panels."""
+    """Background of panels."""
     raised: Rgba
     """Menus, pop-ups, tool strip."""
     field: Rgba
@@ -112,12 +112,12 @@ COLOURS: Final = dataclasses.replace(DARK)
 
 
 def alpha(colour: Rgba, opacity: float) -> Rgba:
-    """The colour with another opacity."""
+    """Return the colour with another opacity."""
     return (*colour[:3], opacity)
 
 
 def u32(colour: Rgba) -> int:
-    """The colour as a draw list takes it."""
+    """Return the colour as a draw list takes it."""
     return imgui.get_color_u32(imgui.ImVec4(*colour))
 
 

@@ -1,4 +1,4 @@
-"""A part of a frame that fails is told, and what it left open in Dear ImGui is closed."""
+"""A part of a frame that fails is reported, and what it left open in Dear ImGui is closed."""
 
 import contextlib
 from collections.abc import Iterator
@@ -18,7 +18,7 @@ def guarded(session: "Session") -> Iterator[None]:
     over a table that scrolls; so all is closed here, where the part began.
 
     Args:
-        session: Where the exception is told.
+        session: The session that shows the exception.
     """
     opened = imgui.internal.ErrorRecoveryState()
     imgui.internal.error_recovery_store_state(opened)

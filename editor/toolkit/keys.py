@@ -96,7 +96,7 @@ _LABELS: Final = {
 
 
 def label(chord: str) -> str:
-    """A chord for people: `"ctrl+shift+z"` becomes `"Ctrl+Shift+Z"`."""
+    """Return a chord for people: `"ctrl+shift+z"` becomes `"Ctrl+Shift+Z"`."""
     head, _, tail = chord.rpartition("+")
     if chord.endswith("+") or not tail:
         head, tail = chord[:-1].rstrip("+"), "+"

@@ -10,7 +10,7 @@ class TextureStore(Protocol):
     """Keeps pictures where the panels can show them."""
 
     def texture(self, key: str, image: np.ndarray, stamp: int) -> imgui.ImTextureRef:
-        """A texture that holds the picture; uploads only when the stamp is new.
+        """Return a texture that holds the picture; uploads only when the stamp is new.
 
         Args:
             key: Whose picture it is; one texture is kept per key.

@@ -39,7 +39,7 @@ class Thumbs:
         self._uploads = UPLOADS
 
     def texture(self, session: "Session", sha256: str) -> imgui.ImTextureRef | None:
-        """The texture of a level's thumbnail; None while it is being made."""
+        """Return the texture of a level's thumbnail; None while it is being made."""
         slot = self._slots.get(sha256)
         if slot is None:
             picture = session.library.picture(sha256) if self._uploads > 0 else None

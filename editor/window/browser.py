@@ -38,7 +38,7 @@ _FOLDER_HINT: Final = "Go into the folder that you mean, or type its path"
 
 @functools.lru_cache(maxsize=64)
 def peek(path: str, modified_ns: int) -> Level | str:
-    """The level in a file, or the sentence that says what is wrong with it."""
+    """Return the level in a file, or the sentence that says what is wrong with it."""
     del modified_ns
     try:
         return load_level(path)
@@ -47,7 +47,7 @@ def peek(path: str, modified_ns: int) -> Level | str:
 
 
 def _modified(path: Path) -> int:
-    """When a file was written last [ns]; 0 where a link leads nowhere or it has just gone."""
+    """Return when a file was last written [ns]; 0 for a broken link or a deleted file."""
     try:
         return path.stat().st_mtime_ns
     except OSError:
@@ -226,7 +226,7 @@ class FileBrowser:
         return False, None
 
     def _warn(self, words: str, room: float) -> None:
-        """Say in one line what is wrong; what has no room is in the tooltip."""
+        """Report in one line what is wrong; what has no room is in the tooltip."""
         with widgets.font(None, SMALL):
             shown = widgets.fitted(tr(words), room)
             widgets.raw(shown, COLOURS.warn)
@@ -247,7 +247,7 @@ class FileBrowser:
         return entered
 
     def _folder_footer(self, session: "Session") -> tuple[bool, Path | None]:
-        """The buttons when a folder is asked for: the one on show is meant."""
+        """Draw the buttons for choosing a folder: the one on show is meant."""
         fresh = self._question.fresh
         hint = "Go into a folder, or type the name of a new one" if fresh else _FOLDER_HINT
         entered = self._name_field(session, hint)

@@ -254,7 +254,7 @@ class Canvas:
         marker.draw.add_circle_filled(b, px(5), orange)
 
     def _teach(self, draw: imgui.ImDrawList, camera: Camera) -> None:
-        """Say what to do with an empty level, as far as the paper over the floor has room."""
+        """Report what to do with an empty level, as far as the paper over the floor has room."""
         (left, top), (right, floor) = (
             camera.to_screen((ARENA[0][0], ARENA[1][1])),
             camera.to_screen((ARENA[1][0], FLOOR_TOP)),
@@ -273,7 +273,7 @@ class Canvas:
                 extents = [imgui.calc_text_size(words) for words in parts]
                 high = sum(extent.y + px(3) for extent in extents)
                 if top + high > floor or any(extent.x > room for extent in extents):
-                    continue  # half of a sentence says less than none
+                    continue  # half of a sentence is worse than none
                 for words, extent in zip(parts, extents, strict=True):
                     draw.add_text((left + (right - left - extent.x) / 2, top), u32(colour), words)
                     top += extent.y + px(3)
@@ -300,7 +300,7 @@ class Canvas:
             low = (x + px(12), y + px(12))
             high = (low[0] + size.x + px(16), low[1] + size.y + px(8))
             if width < px(_ROOM_FOR_BADGE) and high[0] > session.camera.to_screen(ARENA[0])[0]:
-                return  # It would cover the level; the line at the bottom says it too.
+                return  # It would cover the level; the status line has it too.
             draw.add_rect_filled(low, high, u32(colour), px(5))
             draw.add_text((low[0] + px(8), low[1] + px(4)), u32(COLOURS.backdrop), word)
 
@@ -318,7 +318,7 @@ class Canvas:
             paint_confetti(draw, low, high, session.time - self._won_at)
 
     def _episode(self, session: "Session", draw: imgui.ImDrawList) -> None:
-        """Draw what is to be said of the episode beside the arena."""
+        """Draw the words about the episode beside the arena."""
         (x, y), (width, height) = self.area
         playback = session.playback
         ended = playback.outcome if session.mode is Mode.ENDED else None

@@ -68,7 +68,7 @@ class FileChoice:
             self._begin_anew()
 
     def entries(self) -> list[Path]:
-        """The folders on show, then the files that could be meant, by name."""
+        """Return the folders on show, then the files that could be meant, by name."""
         self.unreadable = ""
         try:
             every = [path for path in self.folder.iterdir() if not path.name.startswith(".")]

@@ -30,7 +30,7 @@ class Framing:
         self._before_split: tuple[Tab, Camera, bool] | None = None
         """While two halves are shown: the tab, where it looked before, and whether it followed."""
         self._cause: object = None
-        """Inputs of the fit; when they change, an arena shown whole is fitted anew."""
+        """Inputs of the fit; when they change, an arena shown whole is fitted again."""
         self._unmeasured: tuple[Tab, Camera, int] | None = None
         """While such a panel is there: the tab, where it looked before, and `_asked` then."""
         self._asked = 0

@@ -48,9 +48,9 @@ class Keyboard:
         io = imgui.get_io()
         modifiers = events.Modifiers(ctrl=io.key_ctrl, shift=io.key_shift, alt=io.key_alt)
         popup = bool(session.prompts) or imgui.is_popup_open("", imgui.PopupFlags_.any_popup.value)
-        # By now Esc has closed the pop-up that was open; the key was that pop-up's all the same.
+        # Dear ImGui has closed the pop-up already: Esc belonged to it and is swallowed.
         closed, self._popup = self._popup and not popup, popup
-        # Likewise it has broken off what was dragged from one panel to another.
+        # The same holds for a drag from one panel to another.
         dragging = imgui.get_drag_drop_payload_py_id() is not None
         dragged, self._dragging = self._dragging, dragging
         # The palette has the keyboard from the key on that opens it, its field two frames later.
@@ -117,7 +117,7 @@ def _closes_overlay(session: "Session") -> bool:
 
 
 def _navigation(session: "Session", *, popup: bool, closed: bool, in_panel: bool) -> frozenset[str]:
-    """Keys that move between the fields of a panel now, so that they are not the app's.
+    """Return keys that move between the fields of a panel now, so that they are not the app's.
 
     The arrows nudge and drive, so they must not start Dear ImGui's navigation: it is only on
     while a pop-up is open, on the way from one menu of the bar to the next, or while the keyboard

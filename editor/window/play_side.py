@@ -173,7 +173,7 @@ def _of_rival(session: "Session", shown: Snapshot) -> str:
 
 
 def write_verdict(column: _Column, outcome: Outcome, details: Sequence[str]) -> None:
-    """Write the end of an episode in large letters, and what there is to say of it.
+    """Write the outcome of an episode in large letters, with its details.
 
     Args:
         column: Where to write.
@@ -276,7 +276,7 @@ def _keys(session: "Session", column: _Column) -> None:
 
 
 def _goal(session: "Session", column: _Column) -> None:
-    """Write what the level says of itself, where there is room under the keys."""
+    """Write the level's description, if there is room under the keys."""
     level = session.playback.level
     words = level.description if level is not None else ""
     if not words:

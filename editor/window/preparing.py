@@ -161,7 +161,7 @@ class Preparation:
         if casting is not None and level.bodies and settled:
             key = size, physics, casting.agent, casting.deterministic
             request = Rehearse(level=level, physics=physics, casting=casting)
-            # Whatever is wrong with it is said when it is played.
+            # Errors are reported when it is played.
             yield _Task(key=key, request=request, title="Preparing the agent")
         if settled:
             for other in AUTOMATIC:
@@ -189,6 +189,6 @@ class Preparation:
 
 
 def _sized(size: str, physics: str, title: str, *, goes_on: bool) -> _Task:
-    """The step that all levels of a size share."""
+    """Return the step that all levels of a size share."""
     request = WarmUp(sizes=(size,), physics=physics)
     return _Task(key=(size, physics), request=request, title=title, goes_on=goes_on)

@@ -74,7 +74,7 @@ class TabWords:
 
 
 def _words(panel: Panel, worded: Collection[str], signless: Collection[str]) -> str:
-    """Return what the tab of a panel says."""
+    """Return the title of a panel's tab."""
     if panel.id not in worded:
         return panel.icon
     return tr(panel.title) if panel.id in signless else f"{panel.icon}  {tr(panel.title)}"

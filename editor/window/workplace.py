@@ -96,7 +96,7 @@ class Workplace:
         self._brought = 0
         """The frame in which a panel was brought to the front last."""
         self._put_up = 0
-        """The frame in which the panels were put up last: at first, anew, or after being hidden."""
+        """The frame in which the panels were last put up: at first, rebuilt, or shown again."""
         self._had_bars = False
         self._panel_focused = False
         self._to_canvas = True
@@ -123,7 +123,7 @@ class Workplace:
             if self._restore(settings.layouts[asked.layout]):
                 self._laid_out = True
             else:
-                self.session.complain(f"{asked.layout} is from an older version: keep it anew.")
+                self.session.complain(f"{asked.layout} is from an older version: save it again.")
             asked.layout = ""
 
     def rescale(self, ratio: float) -> None:

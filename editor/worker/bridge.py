@@ -23,7 +23,7 @@ def perform_in_simulation(request: Request, progress: Progress) -> Any:
 def keep_what_was_compiled() -> None:
     """Write the steps that were compiled to disk, where the simulation has been used at all.
 
-    A tenth of a second for each. Whoever leaves soon, or out of Play, finds them the next time.
+    A tenth of a second for each. If the app or Play is left soon, they are there the next time.
     """
     if "editor.worker.simulation.perform" in sys.modules:
         from editor.worker.simulation import keep_programs

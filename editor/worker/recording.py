@@ -25,7 +25,7 @@ class ContactPoint:
     """A place where two bodies touch; for debug drawing."""
 
     at: tuple[float, float]
-    """[m]"""
+    """Place of the contact [m]."""
     normal: tuple[float, float]
     """Unit vector from body a to body b."""
     separation: float
@@ -76,13 +76,13 @@ class Snapshot:
     step: int
     """Environment steps since the reset."""
     position: Float[np.ndarray, "b 2"]
-    """[m]"""
+    """Positions of the bodies [m]."""
     angle: Float[np.ndarray, " b"]
-    """[rad]"""
+    """Angles of the bodies [rad]."""
     velocity: Float[np.ndarray, "b 2"]
-    """[m/s]"""
+    """Velocities of the bodies [m/s]."""
     angular_velocity: Float[np.ndarray, " b"]
-    """[rad/s]"""
+    """Angular velocities of the bodies [rad/s]."""
     motor: Float[np.ndarray, " j"]
     """Drives of the motors in the step before, −1 … 1."""
     thruster: Float[np.ndarray, " t"]
@@ -123,7 +123,7 @@ class Snapshot:
     state: Any = None
     """The simulator's own state as numpy arrays: only the simulator reads it."""
     memory: Any = None
-    """The agent's memory after the step before, likewise."""
+    """The agent's memory after the step before, also as one row."""
 
 
 class Ring:
@@ -200,7 +200,7 @@ class Trace:
     """True if it was read from a file: then it can be looked at, and not be played on from."""
 
     def part(self, first: int, last: int) -> "Trace":
-        """Moments `first` to `last`, both included."""
+        """Return moments `first` to `last`, both included."""
         return dataclasses.replace(
             self,
             snapshots=self.snapshots[first : last + 1],
@@ -208,7 +208,7 @@ class Trace:
         )
 
     def arrays(self) -> dict[str, np.ndarray]:
-        """The trace as arrays with time first, as an `.npz` file holds it."""
+        """Return the trace as arrays with time first, as an `.npz` file holds it."""
         stack = {
             name: np.stack([getattr(s, name) for s in self.snapshots])
             for name in ("position", "angle", "velocity", "angular_velocity", "motor", "thruster")
@@ -253,7 +253,7 @@ def _rows(rows: Sequence[tuple[float, ...]], width: int) -> Float[np.ndarray, "n
 
 
 def channels_of(unified: Sequence[float]) -> Action:
-    """The multi-discrete action nearest to a unified one.
+    """Return the multi-discrete action nearest to a unified one.
 
     Args:
         unified: −1 … 1 per motor binding, 0 … 1 per thruster binding; the last two are thrusters'.

@@ -7,7 +7,7 @@ from kinetix.level.sizes import capacity_of
 
 
 def outline(level: Level) -> Hashable:
-    """A value that differs wherever the features of two levels differ.
+    """Return a value that differs wherever the features of two levels differ.
 
     It says which shapes there are and which of them are joined, fixed, bouncing or in the same
     collision group; what motors, limits and thrusters there are. It does not say where anything is,

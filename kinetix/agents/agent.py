@@ -52,7 +52,7 @@ class NetworkPolicy:
     rows = ROWS
 
     def init_carry(self, batch: int) -> Carry:
-        """Zeros."""
+        """Return a memory of zeros."""
         return initial_carry(batch)
 
     def decide(
@@ -65,7 +65,7 @@ class NetworkPolicy:
         *,
         deterministic: bool = False,
     ) -> Decision:
-        """See `player.Policy`."""
+        """Choose actions, as `player.Policy` describes."""
         inputs = (normalise(params["normalisation"], observation), done)
         inputs = jax.tree.map(lambda x: x[None], inputs)
         output: Any = self.network.apply({"params": params["params"]}, carry, inputs)
@@ -86,7 +86,7 @@ class Agent:
     """A network with parameters, and everything needed to feed it as in training.
 
     Attributes:
-        card: What it sees and says, its network, where it was trained, its results.
+        card: Observation, action, network, training and results of the agent.
         params: Its variables and its normalisation, as one pytree.
         policy: How it chooses.
     """
@@ -99,7 +99,7 @@ class Agent:
             params: Parameters of the network (the tree below "params").
 
         Raises:
-            KinetixError: They are the whole tree, as `Agent.params` and Flax's variables are.
+            KinetixError: `params` is the whole tree, as `Agent.params` and Flax's variables are.
         """
         if "params" in params:
             raise KinetixError(
@@ -133,13 +133,13 @@ class Agent:
         return self.card.environment.frame_skip
 
     def init_carry(self, batch: int) -> Carry:
-        """Memory at the start of episodes.
+        """Return the memory at the start of episodes.
 
         Args:
-            batch: How many.
+            batch: How many episodes.
 
         Raises:
-            KinetixError: It is no number of episodes.
+            KinetixError: `batch` is not a number of episodes.
         """
         if not isinstance(batch, int | np.integer) or batch < 0:
             raise KinetixError(f"batch={batch!r}: expected a number of episodes")
@@ -160,7 +160,7 @@ class Agent:
             obs: Observations with a leading axis of environments.
             key: Random key.
             deterministic: Take the likeliest action instead of drawing one.
-            done: Where true, an episode has just begun and the carry starts anew.
+            done: True where an episode has just begun: the carry is reset.
 
         Returns:
             Actions, the next carry, and a dictionary with `logits`, `log_prob`, `value`, `entropy`.
@@ -184,7 +184,7 @@ class Agent:
         return action, carry, {name: info[name] for name in _TOLD}
 
     def decide(self, *arguments: Any, deterministic: bool = False) -> Decision:
-        """The policy's own `decide`; see `player.Policy`."""
+        """Return the policy's own `decide`; see `player.Policy`."""
         return self.policy.decide(*arguments, deterministic=deterministic)
 
 
@@ -202,7 +202,8 @@ def load_agent(directory: str | Path, accept: Callable[[AgentCard], None] | None
         accept: Looks at the description before any array is read; raises if it does not fit.
 
     Raises:
-        CheckpointError: It is none of these, is damaged, or does not fit; one sentence.
+        CheckpointError: The directory holds no agent, or one that is damaged or does not fit; one
+            sentence.
     """
     refuse_forked_process()
     _check_directory(directory)
@@ -223,14 +224,14 @@ def _check_directory(directory: Any) -> None:
     """Refuse what names no directory.
 
     Raises:
-        CheckpointError: It is empty, or no path at all.
+        CheckpointError: `directory` is empty, or not a path.
     """
     if not isinstance(directory, str | Path) or not str(directory):
         raise CheckpointError(f"directory={directory!r}: expected the directory of an agent")
 
 
 def _no_agent(named: str) -> str:
-    """Say why a name is not that of an agent with a network."""
+    """Explain why a name is not that of an agent with a network."""
     if named in (PLANNER, *SCRIPTED):
         return f"plays without a network, so nothing can be read of it; {agent_hint(named)}"
     if os.path.exists(named):
@@ -252,7 +253,8 @@ def save_agent(
         format: "kinetix-agent" (ours) or "kinetix-env" (kinetix-env's form).
 
     Raises:
-        CheckpointError: It is no agent, cannot be written, or the format cannot say it.
+        CheckpointError: `agent` is not an agent, cannot be written, or has something that the
+            format cannot hold.
     """
     if not isinstance(agent, Agent):
         raise CheckpointError(

@@ -32,7 +32,7 @@ def flatten(tree: Tree, prefix: str = "") -> Iterator[tuple[str, Any]]:
 
 
 def unflatten(leaves: Iterable[tuple[str, Any]]) -> dict[str, Any]:
-    """The inverse of `flatten`."""
+    """Return the tree that `flatten` took apart."""
     root: dict[str, Any] = {}
     for path, value in leaves:
         *parents, leaf = path.split("/")
@@ -62,7 +62,7 @@ def compare_shapes(where: Path, expected: Mapping[str, Any], found: Mapping[str,
         found: Shape of every tensor that is there.
 
     Raises:
-        CheckpointError: Some are missing, superfluous or of another shape; the sentence names the
+        CheckpointError: Tensors are missing, superfluous or of another shape; the message names the
             first few.
     """
     problems = [f"tensor {name!r} is missing" for name in sorted(expected.keys() - found.keys())]
@@ -100,12 +100,12 @@ def write_arrays(directory: Path, tree: Tree) -> None:
             checkpointer.save(directory.resolve(), host)
     except Exception as error:
         raise OSError(_reason(error)) from None
-    # It says where on this machine the arrays were written; nothing reads it.
+    # It holds the folder in which the arrays were written; nothing reads it.
     (directory / "commit_success.txt").unlink(missing_ok=True)
 
 
 def _check_room(directory: Path, size: int) -> None:
-    """Refuse to begin what the disk has no room for: orbax would say so in hundreds of lines."""
+    """Raise if the disk is too full: orbax would report it in hundreds of lines."""
     needed = size + size // 8 + 2 * MIB
     free = shutil.disk_usage(directory.parent).free
     if free < needed:
@@ -187,7 +187,7 @@ def _read_leaf(directory: Path, name: str) -> np.ndarray:
 
 
 def _alone() -> Any:
-    """Options by which orbax waits for nobody: of several processes that train, one writes."""
+    """Options without a barrier: of several training processes only one writes."""
     import orbax.checkpoint as ocp
 
     if jax.process_count() == 1:
@@ -202,8 +202,9 @@ def check_inside(directory: Path) -> None:
     """Refuse a directory whose reading could leave it, wait for ever or fill the memory.
 
     Raises:
-        CheckpointError: It is missing, its links lead out of it, it holds something else than
-            regular files (opening a pipe waits for its writer), or more than the limits allow.
+        CheckpointError: The directory is missing, its links lead out of it, it holds something
+            other than regular files (opening a pipe waits for its writer), or more than the limits
+            allow.
     """
     if not os.path.isdir(directory):
         raise CheckpointError(f"{directory}: expected a directory of parameters, found none")

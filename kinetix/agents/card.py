@@ -114,7 +114,7 @@ class AgentCard(_Part, frozen=True, kw_only=True):
     """Solve rates and the like."""
 
     def replace(self, **changes: Any) -> "AgentCard":
-        """A copy with some fields changed."""
+        """Return a copy with some fields changed."""
         return msgspec.structs.replace(self, **changes)
 
     @property
@@ -174,8 +174,8 @@ def read_card(path: Path) -> tuple[AgentCard, Inventory]:
         path: The file.
 
     Raises:
-        CheckpointError: It is not there, not JSON, of another format or version, or says something
-            that is not allowed; the sentence names the file and the place in it.
+        CheckpointError: The file is missing, not JSON, of another format or version, or has a value
+            that is not allowed; the message names the file and the place in it.
     """
     content = read_json_object(path)
     if content.get("format") != FORMAT:
@@ -205,13 +205,13 @@ def read_card(path: Path) -> tuple[AgentCard, Inventory]:
 
 
 def read_json_object(path: Path) -> dict[str, Any]:
-    """A JSON file whose top level is an object.
+    """Return a JSON file whose top level is an object.
 
     Args:
         path: The file.
 
     Raises:
-        CheckpointError: It cannot be read, is too large, or is not such a file.
+        CheckpointError: The file cannot be read, is too large, or does not hold an object.
     """
     try:
         return read_object(path, "agent")
@@ -229,7 +229,7 @@ def check_names(path: Path, place: str, content: Any, allowed: frozenset[str]) -
         allowed: The keys that it may have.
 
     Raises:
-        CheckpointError: It has another key, or is not an object.
+        CheckpointError: `content` has another key, or is not an object.
     """
     if not isinstance(content, dict):
         raise CheckpointError(f"{path}: {place}: expected an object, got {content!r}")

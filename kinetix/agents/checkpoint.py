@@ -115,10 +115,10 @@ def check_environment(path: Path, environment: EnvironmentCard) -> None:
 
     Args:
         path: The file, for the sentence.
-        environment: What it says.
+        environment: The environment of its card.
 
     Raises:
-        CheckpointError: One of them is unknown.
+        CheckpointError: The physics or the parity is unknown.
     """
     try:
         solver_named(environment.physics)
@@ -148,7 +148,7 @@ def _check_normalisation(path: Path, card: AgentCard) -> None:
 
 
 def steps_of_run(run: Path) -> list[int]:
-    """Steps of the complete checkpoints of a training run, ascending.
+    """Return steps of the complete checkpoints of a training run, ascending.
 
     Args:
         run: The run's directory.
@@ -164,13 +164,13 @@ def steps_of_run(run: Path) -> list[int]:
 
 
 def newest_checkpoint(directory: Path) -> Path:
-    """The checkpoint that a directory means: itself, or the newest of a training run.
+    """Return the checkpoint that a directory means: itself, or the newest of a training run.
 
     Args:
         directory: A checkpoint or a run.
 
     Raises:
-        CheckpointError: There is none.
+        CheckpointError: The directory has no checkpoint.
     """
     if os.path.isfile(directory / CARD):
         return directory

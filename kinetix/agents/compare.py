@@ -48,7 +48,7 @@ class Difference:
     difference: float | None
     """Mean over levels of the difference of the solve rates; None without a common level."""
     low: float | None
-    """95 % interval, the levels being given."""
+    """95 % interval over attempts at these levels."""
     high: float | None
     better: int
     """Attempts that only the first one won."""
@@ -73,7 +73,7 @@ def labels_of(provenances: Sequence[Provenance]) -> list[str]:
 
 
 def paired(first: Contender, second: Contender) -> Difference:
-    """Compare two policies attempt by attempt: equal attempts have equal draws.
+    """Compare two policies attempt by attempt: attempt n of each has the same random numbers.
 
     The interval is that of a difference of paired proportions, with half an attempt added to each
     of the four outcomes of a pair, averaged over the levels.

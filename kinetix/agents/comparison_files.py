@@ -35,7 +35,7 @@ def check_size(path: Path, policies: int, levels: Sequence[str], attempts: int) 
         attempts: Per policy and level.
 
     Raises:
-        KinetixError: It would be too large.
+        KinetixError: The file would be too large.
     """
     each = _LEVEL_BYTES + attempts * _EPISODE_BYTES
     names = sum(len(json.dumps(name)) for name in levels)
@@ -100,7 +100,7 @@ def _csv(contenders: Sequence[Contender], hashes: dict[str, str]) -> str:
 
 
 def _page(contenders: Sequence[Contender], hashes: dict[str, str], version: str) -> str:
-    """A heat map of levels and policies, the leaderboard, the differences, in one file."""
+    """Return a heat map of levels and policies, the leaderboard, the differences, in one file."""
     shown = html.escape
     board = leaderboard(contenders)
     by_label = {contender.label: contender for contender in contenders}

@@ -24,7 +24,7 @@ def replacing_directory(directory: Path) -> Iterator[Path]:
         Path of a folder beside it.
 
     Raises:
-        CheckpointError: It cannot be written, or is the current folder.
+        CheckpointError: The folder cannot be written, or is the current folder.
     """
     if not directory.name:
         raise CheckpointError(
@@ -40,7 +40,7 @@ def replacing_directory(directory: Path) -> Iterator[Path]:
         yield temporary
         _replace(temporary, directory)
     except OSError as error:
-        # What the system says names the passing folder, which nobody knows.
+        # The system's message names the temporary folder, which the user does not know.
         why = error.strerror or error
         raise CheckpointError(f"{directory}: cannot be written: {why}") from error
     finally:
@@ -58,8 +58,8 @@ def _replace(source: Path, target: Path) -> None:
         if os.path.isfile(path):
             _sync(path)
     if os.path.exists(target):
-        # A directory cannot be replaced in one step; whoever dies in between leaves the old one
-        # under this name, where `surviving` finds it.
+        # A directory cannot be replaced in one step; a process that dies in between leaves the old
+        # one under this name, where `surviving` finds it.
         old = target.with_name(f".{target.name}.{os.getpid()}{_OLD}")
         target.rename(old)
         source.rename(target)

@@ -58,7 +58,7 @@ def environment_for(player: Player, capacity: Capacity, *, physics: str) -> Kine
 
 
 def capacity_for(card: AgentCard, capacity: Capacity, *, level: str) -> Capacity:
-    """The sizes at which an agent plays a level: the level's, or the agent's only ones.
+    """Return the sizes at which an agent plays a level: the level's, or the agent's only ones.
 
     Args:
         card: The agent.

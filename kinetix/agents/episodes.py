@@ -1,8 +1,8 @@
 """A batch of episodes on their way: the one way in which players are measured and recorded.
 
 Every device always has the same number of rows and one compiled function advances them by any
-number of steps, so an episode is the same to the bit whoever asks for it: alone, among others, all
-at once or step by step.
+number of steps, so an episode is the same to the bit however it is asked for: alone, among others,
+all at once or step by step.
 """
 
 import dataclasses
@@ -31,7 +31,7 @@ class LastStep:
     """The player's own form of action."""
     reward: Float[Array, " n"]
     distance: Float[Array, " n"]
-    """[m]"""
+    """Distance of the green and blue shapes [m]."""
     info: dict[str, Any]
     """Anything else that the policy returns; empty for scripted ones."""
 
@@ -72,12 +72,12 @@ def start(
     """Begin a batch.
 
     Args:
-        env: Where.
-        policy: Who chooses.
-        params: The player's.
+        env: The environment.
+        policy: Policy that chooses the actions.
+        params: Parameters of the policy.
         states: `rows(policy)` first states, as numpy arrays.
         keys: A key a row, from `episode_keys`.
-        over: Rows that shall not count.
+        over: True for padding rows, whose results do not count.
     """
     state = jax.tree.map(lambda *x: np.stack(x), *states)
     return _start(env, policy, params, state, keys, over)
@@ -134,12 +134,12 @@ def advance(
     *,
     deterministic: bool = False,
 ) -> Episodes:
-    """Some environment steps of every episode; those that are over count no more.
+    """Play some environment steps of every episode; those that are over count no more.
 
     Args:
-        env: Where.
-        policy: Who chooses.
-        params: The player's.
+        env: The environment.
+        policy: Policy that chooses the actions.
+        params: Parameters of the policy.
         episodes: Where they are.
         steps: How many steps; any number runs the same compiled code.
         deterministic: Take the likeliest action instead of drawing one.
@@ -190,7 +190,7 @@ def _step(
 
 
 def episode_keys(levels: Sequence[int], attempts: Sequence[int], seed: int) -> Array:
-    """A key for every episode, from the level's content, the attempt and the seed alone.
+    """Return a key for every episode, from the level's content, the attempt and the seed alone.
 
     The action of step t (from 0) is drawn with `fold_in(key, t)`.
 

@@ -63,7 +63,7 @@ class Progress:
     results: tuple[LevelResult, ...]
     """Levels of which all attempts are over, in the order they were asked for."""
     failures: tuple[LevelFailure, ...] = ()
-    """Levels that the player cannot play, or that are bad, likewise."""
+    """Levels that the player cannot play, or that are bad, in the same order."""
 
     def in_order(self, names: Sequence[str]) -> list[LevelResult | LevelFailure]:
         """Return results and failures in the order of the levels' names."""
@@ -174,7 +174,7 @@ class RecordedStep:
     """The unified action that led here; None at the start."""
     reward: float
     distance: float
-    """[m]"""
+    """Distance of the green and blue shapes [m]."""
     reading: Reading | None
     """Output of the network, as numpy arrays; None for scripted players and at the start."""
     result: EpisodeResult | None
@@ -216,7 +216,7 @@ def go_on(
     """Let the player of a batch play some environment steps; episodes that are over count no more.
 
     Args:
-        env: Where.
+        env: The environment.
         player: Who plays.
         episodes: Where they are.
         steps: How many steps; any number runs the same compiled code.
@@ -233,7 +233,7 @@ def begin(
     """Begin a batch of (first state, the level's number, attempt); other rows are over.
 
     Args:
-        env: Where.
+        env: The environment.
         player: Who plays.
         asked: At most `rows(player.policy)` of them.
         seed: Of the evaluation.
@@ -306,7 +306,7 @@ def prepare(player: Player, level: NamedLevel) -> Prepared:
 
     Raises:
         CheckpointError: The player cannot play it.
-        LevelError: It is bad.
+        LevelError: The level has errors.
     """
     capacity, key = capacity_and_key(level.source)
     capacity = capacity_for(player.card, capacity, level=level.name)
@@ -335,7 +335,7 @@ def capacity_and_key(source: str | Level | LoadedLevel | EnvState) -> tuple[Capa
 def _prepare_all(
     player: Player, levels: Sequence[NamedLevel]
 ) -> tuple[dict[int, Prepared], tuple[LevelFailure, ...]]:
-    """The levels that can be played, by index, and why the others cannot."""
+    """Return the levels that can be played, by index, and why the others cannot."""
     prepared, failures = {}, []
     for index, level in enumerate(levels):
         try:

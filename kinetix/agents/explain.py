@@ -20,11 +20,11 @@ About: TypeAlias = Literal["value", "action"]
 """Target of the explanation: the value, or the log-probability of the likeliest action."""
 
 MOVED: Final = 0.1
-"""Displacement that a gradient is told for [m]."""
+"""Displacement for which a gradient is reported [m]."""
 TURNED: Final = 0.1
-"""Turn that a gradient is told for [rad]."""
+"""Turn for which a gradient is reported [rad]."""
 FASTER: Final = 1.0
-"""Change of velocity that a gradient is told for [m/s and rad/s]."""
+"""Change of velocity for which a gradient is reported [m/s and rad/s]."""
 
 
 @pytree
@@ -54,13 +54,13 @@ class Situation:
 def saliency(
     env: KinetixEnv, policy: Policy, params: Any, moment: Situation, about: About
 ) -> Saliency:
-    """Return the gradient of what a network says, per entity.
+    """Return the gradient of a network's output, per entity.
 
     Of a network that sees pictures it is the gradient by the picture, summed over each body's
     disc; joints and thrusters have none of their own there.
 
     Args:
-        env: Where it plays.
+        env: The environment.
         policy: Its policy.
         params: Its parameters.
         moment: Where it stands.
@@ -82,7 +82,7 @@ def _says(policy: Policy, params: Any, seen: Any, moment: Situation, about: "_As
     made = said["policy"]
     one = made.replace(logits=made.logits[0])
     if isinstance(one, DiagonalNormal):
-        # The density has no slope at its top: how far the means go is told instead.
+        # The density has no slope at its top: the shift of the means is reported instead.
         return jnp.sum(jnp.where(about.live, one.logits, 0.0))
     return one.restricted(about.live).log_prob(action[0])
 
@@ -193,7 +193,7 @@ def _of_picture(
 
 
 def _reach(state: EnvState) -> Float[Array, " b"]:
-    """Radius of the disc around each body [m]."""
+    """Return the radius of the disc around each body [m]."""
     bodies = state.world.bodies
     corners = jnp.linalg.norm(bodies.vertices, axis=-1)
     exists = jnp.arange(corners.shape[-1]) < bodies.vertex_count[:, None]
@@ -211,7 +211,7 @@ def attention(
     of; shares of the dummy token are left out, so they add up to 1 over the bodies at most.
 
     Args:
-        env: Where it plays.
+        env: The environment.
         policy: Its policy.
         params: Its parameters.
         moment: Where it stands.
@@ -266,7 +266,7 @@ def values_over_places(
     """Return what a network expects if some bodies stood elsewhere.
 
     Args:
-        env: Where it plays.
+        env: The environment.
         policy: Its policy.
         params: Its parameters.
         moment: Where it stands.

@@ -37,7 +37,7 @@ def check_observations(
         batch: Environments of the carry.
 
     Raises:
-        KinetixError: One sentence with what is expected.
+        KinetixError: The observations are not as expected; one sentence.
     """
     kind = card.observation.type
     told = f"obs: agent {card.name!r} sees {kind}"

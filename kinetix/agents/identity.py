@@ -41,7 +41,7 @@ def digest_of(player: Player) -> str:
 
 
 def card_digest_of(player: Player) -> str:
-    """Return a digest of all that a player's card says about how it plays; empty for scripted ones.
+    """Return a digest of everything in a card that affects play; empty for scripted players.
 
     Its name, description, training and results do not count; nor does its physics, instead of
     which it may be measured under another one.

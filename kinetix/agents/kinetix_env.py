@@ -96,7 +96,7 @@ def write_peer_checkpoint(directory: Path, card: AgentCard, params: Mapping[str,
         params: Its parameters (the tree below "params").
 
     Raises:
-        CheckpointError: It cannot be written.
+        CheckpointError: The agent cannot be written.
     """
     model = dataclasses.asdict(card.network)
     model["permutation_invariant_mlp"] = model.pop("kind") == "permutation_invariant_mlp"
@@ -127,7 +127,7 @@ def write_files(directory: Path, arrays: Mapping[str, np.ndarray], config: str) 
         config: The configuration as JSON.
 
     Raises:
-        CheckpointError: They cannot be written.
+        CheckpointError: The files cannot be written.
     """
     try:
         directory.mkdir(parents=True, exist_ok=True)
@@ -199,7 +199,7 @@ def _network(path: Path, model: Mapping[str, Any], observation: str) -> NetworkC
 def _capacity_from_tensors(
     path: Path, observation: str, shapes: Mapping[str, tuple[int, ...]]
 ) -> CapacityCard | None:
-    """The named size whose flat observation has the width that the first layer reads."""
+    """Return the named size whose flat observation has the width that the first layer reads."""
     names = {
         "symbolic_flat": "params/Dense_0/kernel",
         "symbolic_flat_padded": "params/MultiHeadDense_0/dense_kernels",

@@ -29,15 +29,15 @@ class Thought:
     own_action: Float[Array, " u"]
     """The unified action that the player chose."""
     intention: Float[Array, " u"]
-    """Its expected unified action; the chosen one for scripted players."""
+    """The player's expected unified action; the chosen one for scripted players."""
     value: Float[Array, ""]
     """Expected future return; 0 for scripted players."""
     entropy: Float[Array, ""]
-    """Of its policy over the controls that the level has [nat]; 0 for scripted players."""
+    """Entropy of the policy over the level's controls [nat]; 0 for scripted players."""
     chances: Float[Array, "u 3"]
     """Each control's probabilities of −1, 0 and +1; 0 throughout for scripted players."""
     sane: Bool[Array, ""]
-    """True where all that the network said are numbers."""
+    """True if all outputs of the network are finite."""
     outlook: Any = None
     """The futures that a planner tried (`planner.policy.Outlook`); None for other players."""
 
@@ -56,17 +56,17 @@ def play_step(  # noqa: PLR0913 - everything that one step of a watched episode 
     *,
     deterministic: bool = False,
 ) -> tuple[EnvState, Any, Thought, dict[str, Array]]:
-    """One environment step of one episode.
+    """Play one environment step of one episode.
 
     The player decides in every step, so that its memory goes on while somebody else drives.
 
     Args:
-        env: Where; without auto-reset.
-        policy: Who chooses.
-        params: The player's.
+        env: The environment, without auto-reset.
+        policy: Policy that chooses the actions.
+        params: Parameters of the policy.
         state: Where the episode is.
         carry: The player's memory, a batch of one.
-        begins: Whether this is the first step: the memory starts anew.
+        begins: True for the first step: the memory is reset.
         key: For the player's draw; `fold_in(episode key, step)` for the draws of an evaluation.
         hand: A unified action from elsewhere.
         by_hand: Whether that one is played.
@@ -81,7 +81,7 @@ def play_step(  # noqa: PLR0913 - everything that one step of a watched episode 
     )
     own = env.actions.unified(jax.tree.map(lambda x: x[0], actions))
     played = jnp.where(by_hand, hand, own)
-    # What is played is given in the form that both can say; the control that follows is the same.
+    # The action is given in the form that both have; the control that follows is the same.
     unified = ContinuousActions(
         motor_bindings=env.actions.motor_bindings, thruster_bindings=env.actions.thruster_bindings
     )
@@ -108,10 +108,10 @@ class Reading:
 
 
 def read_policy(env: KinetixEnv, said: dict[str, Any], live: Bool[Array, " u"]) -> Reading:
-    """Return what a network said of the first environment of its batch.
+    """Return the network's output for the first environment of its batch.
 
     Args:
-        env: Where it plays.
+        env: The environment.
         said: The information of `player.Policy.decide`, with a leading axis.
         live: Controls that the level has, `env.actions.live`.
     """

@@ -22,7 +22,8 @@ def load_player(name: str | Path) -> Player:
         name: `planner`, `noop` or `random`; otherwise as for `load_agent`.
 
     Raises:
-        CheckpointError: It is none of these, is damaged, or does not fit; one sentence.
+        CheckpointError: The name means no player, or one that is damaged or does not fit; one
+            sentence.
     """
     if not str(name):
         raise CheckpointError('"": expected an agent, got an empty word')

@@ -29,7 +29,7 @@ class Normalisation:
 
 
 def fields_of(observation: Any) -> dict[str, Array]:
-    """The parts of an observation that are real numbers, by field.
+    """Return the parts of an observation that are real numbers, by field.
 
     Args:
         observation: A named tuple, or one array.
@@ -45,7 +45,7 @@ def fields_of(observation: Any) -> dict[str, Array]:
 
 
 def start(observation: Any) -> Normalisation:
-    """Statistics of nothing yet.
+    """Return the statistics before the first observation.
 
     Args:
         observation: Any observation, for its fields and widths.
@@ -123,7 +123,7 @@ def normalise(statistics: Normalisation | None, observation: Any) -> Any:
 
 
 def to_card(statistics: Normalisation | None) -> NormalisationCard | None:
-    """The statistics as plain numbers."""
+    """Return the statistics as plain numbers."""
     if statistics is None:
         return None
     as_lists: Any = jax.tree.map(lambda x: np.asarray(x).tolist(), statistics)
@@ -136,7 +136,7 @@ def to_card(statistics: Normalisation | None) -> NormalisationCard | None:
 
 
 def from_card(card: NormalisationCard | None) -> Normalisation | None:
-    """The inverse of `to_card`."""
+    """Return the statistics that `to_card` stored."""
     if card is None:
         return None
     return Normalisation(

@@ -175,7 +175,7 @@ def endings(paths: Paths) -> tuple[Ending, ...]:
 
 
 def _clusters(rows: Int[np.ndarray, " r"], places: Float[np.ndarray, "n 2"]) -> list[np.ndarray]:
-    """Rows whose places are joined by steps of at most `NEAR`."""
+    """Return rows whose places are joined by steps of at most `NEAR`."""
     left = rows.tolist()
     clusters = []
     while left:
@@ -191,5 +191,5 @@ def _clusters(rows: Int[np.ndarray, " r"], places: Float[np.ndarray, "n 2"]) -> 
 
 
 def _spread(positions: Float[np.ndarray, "n k 2"]) -> Float[np.ndarray, " k"]:
-    """Standard deviation of the place."""
+    """Return the standard deviation of the place."""
     return np.sqrt(positions.var(axis=0).sum(axis=-1))

@@ -33,7 +33,7 @@ class Policy(Protocol):
         ...
 
     def init_carry(self, batch: int) -> Any:
-        """Memory at the start of `batch` episodes."""
+        """Return the memory at the start of `batch` episodes."""
         ...
 
     def decide(
@@ -49,11 +49,11 @@ class Policy(Protocol):
         """Choose actions for a batch of environments.
 
         Args:
-            params: The player's.
+            params: Parameters of the policy.
             carry: From `init_carry` or the last call.
             observation: With a leading axis of environments.
             keys: A random key for each environment, so that none depends on its neighbours.
-            done: Where true, an episode has just begun and the carry starts anew.
+            done: True where an episode has just begun: the carry is reset.
             deterministic: Take the likeliest action instead of drawing one.
 
         Returns:

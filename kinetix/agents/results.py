@@ -44,7 +44,7 @@ class LevelResult:
 
     @classmethod
     def of(cls, level: str, episodes: Sequence[EpisodeResult]) -> "LevelResult":
-        """The result of some attempts.
+        """Return the result of some attempts.
 
         Args:
             level: What the level is called.
@@ -82,7 +82,7 @@ class LevelResult:
         return wilson(self.solved, self.attempts)
 
     def as_dict(self) -> dict[str, Any]:
-        """The line that `kinetix eval --json` prints."""
+        """Return the line that `kinetix eval --json` prints."""
         low, high = self.bounds
         dropped = self.dropped_contacts
         return {
@@ -128,13 +128,13 @@ class Provenance:
     frame_skip: int | None = None
     """Physics steps per action; None where it is not known, as of older files."""
     dense_reward_scale: float | None = None
-    """Weight of the distance reward in the returns; None likewise."""
+    """Weight of the distance reward in the returns; None where it is not known."""
     card_digest: str = ""
-    """Beginning of the SHA-256 of what else its card says about how it plays, such as statistics
+    """Beginning of the SHA-256 of the rest of its card that affects play, such as the statistics
     of its observations; empty for scripted players, and where it is not known."""
 
     def as_dict(self) -> dict[str, Any]:
-        """Return what is known of it, as the last line of `kinetix eval --json` says it."""
+        """Return what is known of it, as in the last line of `kinetix eval --json`."""
         told = dataclasses.asdict(self)
         return {
             name: value for name, value in told.items() if name not in _LATER or value not in _NONE
@@ -217,7 +217,7 @@ def rates_of_parts(results: Sequence[LevelResult], parts: Mapping[str, str]) -> 
 
 
 def groups_of(name: str) -> tuple[str, ...]:
-    """The metric groups of a level: by folder, and by folder and first word of its name.
+    """Return the metric groups of a level: by folder, and by folder and first word of its name.
 
     Args:
         name: `folder/word_rest`; digits in the word do not count, `h` and `r` mean handmade and

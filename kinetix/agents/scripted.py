@@ -26,7 +26,7 @@ class ScriptedPolicy:
     rows = ROWS
 
     def init_carry(self, batch: int) -> tuple[()]:
-        """Nothing to remember."""
+        """Return an empty memory."""
         del batch
         return ()
 
@@ -54,13 +54,13 @@ class ScriptedPlayer:
     """A player that learnt nothing.
 
     Attributes:
-        card: Says what it is; it ignores what it sees.
+        card: Its description; it ignores observations.
         params: Nothing.
         policy: How it chooses.
     """
 
     def __init__(self, name: str, actions: AbstractAction | None = None) -> None:
-        """Make one.
+        """Make a scripted player.
 
         Args:
             name: "noop" or "random".
@@ -81,9 +81,9 @@ class ScriptedPlayer:
         self.policy = ScriptedPolicy(actions=actions, random=name == "random")
 
     def init_carry(self, batch: int) -> tuple[()]:
-        """Nothing to remember."""
+        """Return an empty memory."""
         return self.policy.init_carry(batch)
 
     def decide(self, *arguments: Any, deterministic: bool = False) -> Decision:
-        """The policy's own `decide`; see `player.Policy`."""
+        """Return the policy's own `decide`; see `player.Policy`."""
         return self.policy.decide(*arguments, deterministic=deterministic)

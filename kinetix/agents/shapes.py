@@ -17,7 +17,7 @@ from kinetix.environment.params import EnvParams, StaticEnvParams
 from kinetix.environment.spaces import Dict
 
 _USUAL = CapacityCard(polygons=5, circles=2, joints=1, thrusters=1)
-"""Stands in where an agent does not say; its parameters do not depend on it."""
+"""Stands in where a card does not have it; the parameters do not depend on it."""
 
 
 def static_env_params_of_card(card: AgentCard, **changes: Any) -> StaticEnvParams:
@@ -64,7 +64,7 @@ def observations_of_card(
 
 
 def zero_observation(observations: AbstractObservation, *axes: int) -> Any:
-    """An observation of nothing: zeros of the right shapes.
+    """Return an observation of nothing: zeros of the right shapes.
 
     Args:
         observations: The kind of observation.
@@ -80,7 +80,7 @@ def zero_observation(observations: AbstractObservation, *axes: int) -> Any:
 
 
 def network_of_card(card: AgentCard) -> nn.Module:
-    """The network that an agent's description asks for.
+    """Return the network that an agent's description asks for.
 
     Args:
         card: The agent's description.
@@ -95,7 +95,7 @@ def network_of_card(card: AgentCard) -> nn.Module:
 
 
 def init_parameters(card: AgentCard, key: jax.Array) -> dict[str, Any]:
-    """Fresh parameters for an agent.
+    """Return fresh parameters for an agent.
 
     Args:
         card: Its description.

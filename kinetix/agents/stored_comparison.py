@@ -63,10 +63,10 @@ def is_comparison(path: Path) -> bool:
 
 
 def check_replaced(path: Path) -> None:
-    """Refuse to put a comparison in the place of a `.json` that is none, such as a level.
+    """Refuse to replace a `.json` that is not a comparison, such as a level.
 
     Raises:
-        KinetixError: It is one.
+        KinetixError: The file holds something else.
     """
     there = path.suffix.lower() == ".json" and os.path.isfile(path) and os.path.getsize(path)
     if there and not is_comparison(path):
@@ -74,13 +74,14 @@ def check_replaced(path: Path) -> None:
 
 
 def read_comparison(path: Path) -> StoredComparison:
-    """Return a stored comparison; rates and means are computed anew from its attempts.
+    """Return a stored comparison; rates and means are recomputed from its attempts.
 
     Args:
         path: A `.json` that `kinetix compare --out` or the app wrote.
 
     Raises:
-        KinetixError: It cannot be read, is something else, or its parts do not fit each other.
+        KinetixError: The file cannot be read, is something else, or its parts do not fit each
+            other.
     """
     tree: Any = read_json(path, "kept")
     if not isinstance(tree, dict) or tree.get("format") != FORMAT:

@@ -33,7 +33,7 @@ class Motion:
 
     @property
     def time(self) -> Float[np.ndarray, " k"]:
-        """[s]."""
+        """Times of the frames [s]."""
         return np.arange(len(self.position)) * self.trial.dt
 
     @property
@@ -64,7 +64,7 @@ class Motion:
         return self.masses[:, 0] > 0
 
     def kinetic_energy(self) -> Float[np.ndarray, " k"]:
-        """Of all bodies [J]."""
+        """Return the kinetic energy of all bodies [J]."""
         mass, inertia = self.masses.T
         return ((self.velocity**2).sum(-1) @ mass + self.angular_velocity**2 @ inertia) / 2
 
@@ -112,7 +112,7 @@ class Motion:
         return deepest
 
     def _placed(self) -> list["_Placed"]:
-        """All bodies with their poses at every step, the arena's last."""
+        """Return all bodies with their poses at every step, the arena's last."""
         moments = len(self.position)
         level = self.trial.level
         placed = [
@@ -157,7 +157,7 @@ class _Placed:
         return float(np.linalg.norm(np.array(self.body.shape.vertices), axis=-1).max())
 
     def at(self, moments: Bool[np.ndarray, " k"]) -> "_Placed":
-        """The same at some of the moments."""
+        """Return the same at some of the moments."""
         return dataclasses.replace(
             self, position=self.position[moments], rotation=self.rotation[moments]
         )
@@ -197,14 +197,14 @@ def _normals(corners: np.ndarray) -> np.ndarray:
 
 
 def most_apart(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """Largest separation along the normals of a: negative when no edge of a parts them."""
+    """Return the largest separation along the normals of a; negative for an overlap."""
     away = np.einsum("kvd,kwd->kvw", _normals(a), b)
     own = np.einsum("kvd,kvd->kv", _normals(a), a)
     return (away.min(axis=2) - own).max(axis=1)
 
 
 def outside(corners: np.ndarray, point: np.ndarray) -> np.ndarray:
-    """Distance of a point to a convex polygon; negative inside."""
+    """Return the distance of a point to a convex polygon; negative inside."""
     offset = point[:, None] - corners
     inner = np.einsum("kvd,kvd->kv", _normals(corners), offset).max(axis=1)
     edge = np.roll(corners, -1, axis=1) - corners

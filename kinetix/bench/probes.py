@@ -60,7 +60,7 @@ def _reversed(motion: Motion) -> Motion:
 
 
 def _difference(first: Sequence[Motion], second: Sequence[Motion]) -> float | None:
-    """Largest difference of any position at any time; None where one is not a number."""
+    """Return the largest difference of any position at any time; None where one is not a number."""
     pairs = zip(first, second, strict=True)
     found = max(float(np.abs(a.position - b.position).max()) for a, b in pairs)
     return found if np.isfinite(found) else None

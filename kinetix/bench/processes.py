@@ -11,7 +11,7 @@ from kinetix.paths import cache_dir
 
 
 def measured_apart(*words: str, devices: int, cached: bool = False) -> list[dict[str, Any]]:
-    """The rows that `kinetix bench WORDS` prints in a new process.
+    """Return the rows that `kinetix bench WORDS` prints in a new process.
 
     Args:
         words: The sub-command and its options, without `--json`.

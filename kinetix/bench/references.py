@@ -53,7 +53,7 @@ def rod_stiffness(length: float, width: float) -> float:
 
 @functools.cache
 def stored() -> dict[str, Any]:
-    """The solutions that are kept.
+    """Return the solutions that are kept.
 
     `pendulum`: angle after 5 s by the angle of release in degrees [rad]; `double_pendulum` and
     `offset_thrust`: places of the tip at 60 a second [m]; `car`: place and speed after 3 s.
@@ -62,7 +62,7 @@ def stored() -> dict[str, Any]:
 
 
 def pendulum_angle(angle: float, dt: float, steps: int) -> Float[np.ndarray, " k"]:
-    """Angle from hanging of a rod of 1×.1 m that is released at rest [rad]."""
+    """Return the angle from hanging of a rod of 1×.1 m that is released at rest [rad]."""
     stiffness = rod_stiffness(1.0, 0.1)
 
     def derivative(y: np.ndarray) -> np.ndarray:

@@ -48,7 +48,7 @@ def run(settings: RenderSettings) -> Iterator[dict[str, Any]]:
     also pay for fresh memory: 47 MB a call at batch 256.
 
     Raises:
-        KinetixError: There is no level of that size.
+        KinetixError: No level has that size.
     """
     static = static_env_params_of(parse_capacity(settings.size))
     states = _states(settings.size, static)

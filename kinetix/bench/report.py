@@ -43,14 +43,14 @@ def verdict_counts(rows: Iterable[Row]) -> dict[str, int]:
 
 
 def value_text(value: float | None, unit: str) -> str:
-    """A value with its unit, in three digits."""
+    """Return a value with its unit, in three digits."""
     if value is None:
         return "failed"
     return f"{value:.3g}" if unit == "1" else f"{value:.3g} {unit}"
 
 
 def scene_text(row: Row) -> str:
-    """One line for people."""
+    """Return a row as one line of text."""
     limits = "" if row["good"] is None else f"  (good {row['good']:g}, fail {row['fail']:g})"
     verdict = row["verdict"] or "reported"
     head = f"{row['scene']:4}{SCENES[row['scene']].name:22}"
@@ -68,7 +68,7 @@ def summary_text(rows: Sequence[Row]) -> str:
 
 
 def markdown_table(results: Mapping[str, Sequence[Row]]) -> str:
-    """A line a scene and a column a physics: its worst value and verdict.
+    """Return a line a scene and a column a physics: its worst value and verdict.
 
     Args:
         results: Rows by the name of the physics.

@@ -42,7 +42,7 @@ def run_trials(
         trials: Of any duration and time step.
         solver: The method and its settings.
         binary64: Whether to compute in binary64 instead of binary32.
-        every: Record only each so-manieth step; the motions then have a `dt` as much longer.
+        every: Record every n-th step only; the `dt` of the motions is then n times as long.
         like: Further trials that capacity and features have to cover, for comparing the runs.
         spec: Capacity and features; by default exactly what all these trials need.
     """
@@ -53,7 +53,7 @@ def run_trials(
 
 
 def spec_for(trials: Sequence[Trial], solver: AbstractSolver) -> SceneSpec:
-    """Exactly what the trials need together."""
+    """Return exactly what the trials need together."""
     capacity = functools.reduce(Capacity.union, (needed_capacity(t.level) for t in trials))
     spec = SceneSpec(capacity=capacity)
     scenes = [compile_level(trial.level, spec=spec, solver=solver) for trial in trials]
@@ -114,7 +114,7 @@ def _record(
     spec: SceneSpec,
     solver: AbstractSolver,
 ) -> tuple[State, tuple[Any, ...]]:
-    """The state after a chunk, and (frame, world, …) of poses, velocities and overflow."""
+    """Return the state after a chunk, and (frame, world, …) of poses, velocities and overflow."""
     world, control, parameters = given
     advance = jax.vmap(functools.partial(step, spec=spec, solver=solver))
 
@@ -145,7 +145,7 @@ def _motion(
     capacity: Capacity,
     every: int,
 ) -> Motion:
-    """One world's share, cut to its own duration, bodies in the level's order."""
+    """Return one world's share, cut to its own duration, bodies in the level's order."""
     steps = -(-trial.steps // every)
     slots = body_slots(trial.level, capacity)
     order = [slots[body.id] for body in trial.level.bodies]

@@ -64,7 +64,7 @@ def towers(count: int) -> Trial:
 
 
 def _many_worlds(settings: ScalingSettings, worlds: int, devices: int) -> dict[str, Any]:
-    """The bare step on levels."""
+    """Return the bare step on levels."""
     (row,) = measured_apart(
         *("speed", "--sizes", settings.size, "--batches", str(worlds)),
         *("--physics", settings.physics),

@@ -37,7 +37,7 @@ class Rate:
     """Speed of an engine."""
 
     steps_per_s: float
-    """Of all worlds together."""
+    """Steps per second of all worlds together."""
     compile_s: float | None
     """Tracing, compiling and the first steps; None where that is not measured."""
     devices: int
@@ -95,7 +95,7 @@ def measure_scenes(
 
     Args:
         batches: Worlds stepped at once.
-        measure: Times an engine on a trial; None where it cannot say the scene.
+        measure: Times an engine on a trial; None where it cannot represent the scene.
     """
     for group, (scene, _) in SPEED_SCENES.items():
         for batch in batches:

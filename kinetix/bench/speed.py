@@ -60,7 +60,7 @@ class NoObservation(AbstractObservation):
         return {}
 
     def __call__(self, state: EnvState) -> tuple[()]:
-        """Nothing."""
+        """Return an empty observation."""
         del state
         return ()
 
@@ -96,7 +96,7 @@ def measure_speed(settings: SpeedSettings) -> Iterator[dict[str, Any]]:
     actions, frame_skip 1, jitted scans, the median of at least five runs after a warm-up.
 
     Raises:
-        KinetixError: There is no level of a size, or no such observation.
+        KinetixError: A size has no level, or the observation is unknown.
     """
     kinds = ("none", *(kind.value for kind in ObservationType))
     if settings.observation not in kinds:
@@ -134,7 +134,7 @@ def levels_of(folder: Path, capacity: Capacity) -> list[Path]:
 def _rates(
     files: Sequence[Path], size: str, batch: int, settings: SpeedSettings
 ) -> tuple[_Rate, _Rate]:
-    """The bare engine's rate and the environment's, of steps that are compiled once."""
+    """Return the bare engine's rate and the environment's, of steps that are compiled once."""
     static = static_env_params_of(
         parse_capacity(size), physics=settings.physics, frame_skip=1, features=Features()
     )

@@ -27,7 +27,7 @@ from kinetix.environment.params import (
 from kinetix.environment.state import EnvState
 
 SAMPLED: Final = 8
-"""Overlaps and joint gaps are looked at each so-manieth step."""
+"""Overlaps and joint gaps are measured at every n-th step."""
 JUMP: Final = 10.0
 """Kinetic energy that no step should add [J]."""
 
@@ -141,7 +141,7 @@ def _kinetic_energy(world: World, state: State) -> Array:
 
 
 def _joint_gap(world: World, position: np.ndarray, rotation: np.ndarray) -> np.ndarray:
-    """Largest gap of any joint at any frame, per world [m]."""
+    """Return the largest gap of any joint at any frame, per world [m]."""
     joints = world.joints
     rows = np.arange(position.shape[1])[:, None]
 

@@ -75,7 +75,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _has_fellows() -> bool:
-    """Return whether other processes train along, who wait for this one's farewell."""
+    """Return whether other processes of the same training wait for this one to end."""
     jax = sys.modules.get("jax")
     return jax is not None and jax.distributed.is_initialized()
 

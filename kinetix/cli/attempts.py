@@ -45,7 +45,7 @@ def check_attempt(attempt: int | None, players: Sequence[str]) -> None:
         players: Values of `--agent` and `--rival`.
 
     Raises:
-        KinetixError: It is out of range, or only recorded solutions play.
+        KinetixError: The attempt is out of range, or only recorded solutions play.
     """
     if attempt is None:
         return
@@ -80,7 +80,7 @@ def decide_of(command: Asked, player: "Player") -> Callable[..., Any]:
     """Return how the player chooses actions in an episode with draws of its own.
 
     Args:
-        command: Tells the mode.
+        command: The command, for its mode.
         player: Who plays.
     """
     decide = player.policy.decide

@@ -202,7 +202,7 @@ def _printed(
 
 
 def _watched(rows: Iterable[dict[str, Any]]) -> Iterator[dict[str, Any]]:
-    """Say on stderr which line is being measured: the first may compile for a minute."""
+    """Report on stderr which line is being measured: the first may compile for a minute."""
     found = iter(rows)
     with contextlib.closing(Terminal()) as terminal:
         for number in itertools.count(1):

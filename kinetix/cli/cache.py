@@ -1,4 +1,4 @@
-"""Say how much lies in the caches, or clear them; everything in them is made anew when needed."""
+"""Report how much lies in the caches, or clear them; everything in them is rebuilt when needed."""
 
 import dataclasses
 import sys

@@ -96,7 +96,7 @@ def run(command: Compare) -> int:
 
 
 def _players(name: str, every_checkpoint: bool) -> "list[Player]":
-    """The players that a name means: one, or all checkpoints of a training run."""
+    """Return the players that a name means: one, or all checkpoints of a training run."""
     from kinetix.agents.agent import load_agent
     from kinetix.agents.checkpoint import RUN_CHECKPOINTS, steps_of_run
     from kinetix.agents.named import load_player
@@ -122,7 +122,7 @@ def _measured(
 
 
 def _board(contenders: list[Contender], levels: list[SetLevel]) -> list[dict[str, Any]]:
-    """The leaderboard; of a split set with the rate of each part."""
+    """Return the leaderboard; of a split set with the rate of each part."""
     common = common_levels(contenders)
     played = {contender.label: contender.played for contender in contenders}
     rows = []

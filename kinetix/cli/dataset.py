@@ -148,7 +148,7 @@ def _so_many(episodes: int) -> str:
 
 
 def _tell_untold(folder: Path, count: int) -> None:
-    """Say how many episodes of a data set no export can take."""
+    """Report how many episodes of a data set no export can take."""
     if count:
         print(
             f"{folder}: {plural(count, 'episode')} cannot be played again from the controls "

@@ -73,7 +73,7 @@ class Verify:
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Split(OneCore):
-    """Draw the split of a set anew."""
+    """Draw another split of a set."""
 
     source: Annotated[Positional[NamedPath], tyro.conf.arg(metavar="SET")]
     """The set; it is written in place."""
@@ -122,12 +122,12 @@ def _build(command: Build) -> int:
 
 
 def _name_after(path: Path) -> str:
-    """The name of a set after its file's, as far as a name may go."""
+    """Return the name of a set after its file's, as far as a name may go."""
     return path.stem.encode(errors="replace").decode()[:LONGEST_NAME]
 
 
 def _where_levels_are(made: LoadedSet, *, inline: bool) -> str:
-    """Say which levels the file of a set names by path, and which it contains."""
+    """Print which levels the file of a set names by path, and which it contains."""
     named = 0 if inline else sum(entry.path is not None for entry in made.manifest.levels)
     held = len(made.levels) - named
     if not held:
@@ -183,13 +183,13 @@ class Verdict:
     noop: str | None
     """Outcome of doing nothing; None where the level could not be played."""
     solution: str | None
-    """Outcome of the recorded solution; None where there is none."""
+    """Outcome of the recorded solution; None without one."""
     unsolved: bool = False
     """True if the level is tagged so, which makes it only reported."""
     records: bool = True
     """True if its file can record a solution: those of kinetix-env cannot."""
     unplayed: str = ""
-    """Why it could not be played; empty where it was, or has an error."""
+    """Reason why it could not be played; empty if it was, or has an error."""
 
     @property
     def problems(self) -> list[str]:

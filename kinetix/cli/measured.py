@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 def levels_to_measure(sources: Sequence[str]) -> list[SetLevel]:
-    """Return the levels that a command line means, equal ones once, and say what is left out.
+    """Return the levels of a command line, equal ones once; print what is left out.
 
     Args:
         sources: As for `gather_levels`.
@@ -42,7 +42,7 @@ def named(levels: Iterable[SetLevel]) -> "list[NamedLevel]":
 
 
 def watched(measuring: "Iterable[Progress]", who: str = "") -> "Progress":
-    """Measure to the end, and say on stderr how far it is.
+    """Measure to the end, with the progress on stderr.
 
     Args:
         measuring: From `evaluate`.

@@ -1,4 +1,4 @@
-"""Play one episode without a window and say how it ended."""
+"""Play one episode without a window and print how it ended."""
 
 import dataclasses
 import json

@@ -79,7 +79,7 @@ class Moment:
     outcome: str
     """See `kinetix.environment.outcome.Outcome`; empty while the episode goes on."""
     value: float | None = None
-    """Return that the player expected before this step, where it has a network."""
+    """Expected return before this step, if the player has a network."""
     entropy: float | None = None
     """Of its policy over the level's controls then [nat]."""
     controls: tuple[int, ...] = ()
@@ -132,7 +132,7 @@ def run(command: Render) -> int:
 
 
 def _tell_what_is_outside(level: Level) -> None:
-    """Say how much of a level no picture has: they show the arena's square alone."""
+    """Report how much of a level lies outside pictures: they show the arena's square alone."""
     away = sum(outside_arena(bounds(body)) for body in level.bodies)
     if away:
         print(
@@ -212,7 +212,7 @@ def _showing(command: Render, agent: str) -> Showing:
 
 
 def _patient(moments: Iterator[Moment]) -> Iterator[Moment]:
-    """Pass an episode on; say that its step is compiled where the first ones take long."""
+    """Pass an episode on; report that its step is being compiled if the first ones take long."""
     with announced("preparing the player and the step"):
         yield from itertools.islice(moments, 2)
     yield from moments
@@ -240,7 +240,7 @@ def _played(
 
 
 def _film_of(command: Render, agent: str) -> "Film":
-    """An episode for a page."""
+    """Return an episode for a page."""
     import numpy as np
 
     from kinetix.pages.film import Film
@@ -354,7 +354,7 @@ def _frames(
 
 
 def _picture(moment: Moment, command: Render) -> "Image.Image":
-    """One frame."""
+    """Draw one frame."""
     from PIL import Image
 
     from kinetix.agents.films import picture_of

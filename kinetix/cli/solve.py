@@ -58,7 +58,7 @@ class Solve:
 
 
 def run(command: Solve) -> int:
-    """Search, tell what was found, and record it when asked to.
+    """Search, print what was found, and record it when asked to.
 
     Of several levels, one that is no task and a file of a folder that cannot be read are left out
     with a sentence, and the others are searched.
@@ -107,7 +107,7 @@ def _refuse_bundled(word: str) -> None:
 def _tasks(
     given: list[SetLevel], unreadable: list[LevelError], *, write: bool
 ) -> Iterator[SetLevel]:
-    """Yield the levels that can be searched; tell why others cannot.
+    """Yield the levels that can be searched; report why others cannot.
 
     Args:
         given: Levels.
@@ -115,7 +115,7 @@ def _tasks(
         write: Whether solutions are going to be recorded.
 
     Raises:
-        LevelError: None of them can.
+        LevelError: None of the levels can be searched.
     """
     refused = list(unreadable)
     for each in given:

@@ -1,4 +1,4 @@
-"""The terminal as a long command uses it: lines that stay, and one that tells what is under way."""
+"""The terminal as a long command uses it: lines that stay, and a status line."""
 
 import contextlib
 import itertools
@@ -19,7 +19,7 @@ PATIENCE: Final = 3.0
 
 @contextlib.contextmanager
 def announced(text: str, *, after: float = PATIENCE, say: Say | None = None) -> Iterator[None]:
-    """Say what is under way, should it take long.
+    """Show the status, if it takes long.
 
     Args:
         text: What is.
@@ -78,13 +78,13 @@ def _write(text: str) -> None:
 def counted(
     items: Iterable[_T], first: str, told: Callable[[int], str], terminal: Terminal
 ) -> Iterator[_T]:
-    """Yield what takes long to make; tell of the wait for the first one, then how many there are.
+    """Yield things that take long to make; report the wait for the first one, then the count.
 
     Args:
         items: Made one by one as they are taken.
         first: Words for the wait for the first one.
-        told: Words for so many.
-        terminal: Where it is told; the line is empty again after the last one.
+        told: Words for a count.
+        terminal: The terminal; its status line is empty after the last one.
     """
     making = iter(items)
     with announced(first, say=terminal.status):

@@ -55,7 +55,8 @@ class Common:
     """An environment that does nothing, to debug training code quickly."""
     coordinator: Annotated[str | None, tyro.conf.arg(metavar="HOST:PORT")] = None
     """Train together with other machines: where the first of them is reached, or `auto` under a
-    scheduler that tells. Every machine is given the same command and a directory that all share."""
+    scheduler that reports it. Every machine is given the same command and a directory that all
+    share."""
     num_processes: int | None = None
     """Number of processes that train together."""
     process_id: int | None = None
@@ -147,7 +148,7 @@ def run(command: Common) -> int:
 
 
 def _teachers(command: Common, runs: Iterable[Path], terminal: Terminal) -> dict[Path, Any]:
-    """The agent to start from, of every run that is at its beginning.
+    """Return the agent to start from, of every run that is at its beginning.
 
     It wakes JAX: the number of devices has to be settled before.
     """
@@ -163,7 +164,7 @@ def _teachers(command: Common, runs: Iterable[Path], terminal: Terminal) -> dict
 
 
 def _values(command: Common) -> dict[str, Any]:
-    """The hyper-parameters that flags name."""
+    """Return the hyper-parameters that flags name."""
     own = {field.name for field in dataclasses.fields(Common)}
     for name in SOURCES:
         if getattr(command, name, None) == ():
@@ -180,10 +181,10 @@ def _values(command: Common) -> dict[str, Any]:
 def _runs(
     algorithm: str, command: Common, values: dict[str, Any], sweep: list[SweepRun] | None
 ) -> dict[Path, dict[str, Any]]:
-    """The directory of every run, and its hyper-parameters.
+    """Return the directory of every run, and its hyper-parameters.
 
     Raises:
-        KinetixError: There are several, and theirs is one run's own.
+        KinetixError: Several runs share an option that is for one run only.
     """
     if os.path.isfile(command.out / CONFIG) and (sweep is not None or command.seeds > 1):
         raise KinetixError(
@@ -207,10 +208,10 @@ def _runs(
 
 
 def _configured(algorithm: str, command: Common, values: dict[str, Any], out: Path) -> Any:
-    """The configuration of one run.
+    """Return the configuration of one run.
 
     Raises:
-        KinetixError: It is bad; in a sweep the sentence begins with the run.
+        KinetixError: The configuration is wrong; in a sweep the message begins with the run.
     """
     from kinetix.training.settings import make_config
 
@@ -223,13 +224,13 @@ def _configured(algorithm: str, command: Common, values: dict[str, Any], out: Pa
 
 
 def _default_preset(command: Common, out: Path) -> str | None:
-    """The small preset for a new run where nothing is chosen."""
+    """Return the small preset for a new run where nothing is chosen."""
     chosen = command.preset or command.config or os.path.isfile(out / CONFIG)
     return None if chosen else _SMALL
 
 
 def _tell_preset(command: Common, runs: Iterable[Path], terminal: Terminal) -> None:
-    """Say so where one is taken that nobody has chosen."""
+    """Report the agent that is taken if none was chosen."""
     if any(_default_preset(command, out) for out in runs):
         terminal.say(
             f"preset {_SMALL}, which fits a laptop; --preset paper has the paper's numbers"
@@ -237,7 +238,7 @@ def _tell_preset(command: Common, runs: Iterable[Path], terminal: Terminal) -> N
 
 
 def _train(algorithm: str, config: Any, out: Path, teacher: Any, terminal: Terminal) -> None:
-    """Train once, telling how it goes."""
+    """Train once, and report the progress."""
     from kinetix.training.devices import is_leader
     from kinetix.training.run import train
 
@@ -270,7 +271,7 @@ def _announcement(algorithm: str, setup: Any) -> str:
 
 
 def _room(setup: Any) -> str:
-    """Say how many environments there is memory for."""
+    """Report how many environments fit into memory."""
     from kinetix.training.memory import estimate
 
     need = estimate(setup)
@@ -282,7 +283,7 @@ def _room(setup: Any) -> str:
 
 
 def _line(report: Any) -> str:
-    """A report for people; returns and solve rates are those of many episodes."""
+    """Return a report for people; returns and solve rates are those of many episodes."""
     metrics, rate = report.metrics, report.steps_per_second
     parts = [
         f"{report.update}/{report.updates}",
@@ -315,7 +316,7 @@ def _learnt(metrics: Mapping[str, float]) -> list[str]:
 
 
 def _mean(value: float | None) -> str:
-    """A mean over the episodes that ended; a dash where none did."""
+    """Return a mean over the episodes that ended; a dash where none did."""
     return "–" if value is None or math.isnan(value) else f"{value:.3f}"
 
 

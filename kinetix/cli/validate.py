@@ -152,7 +152,7 @@ def reading_issues(error: LevelError) -> Iterator[Issue]:
 
 
 def issue_tree(issue: Issue) -> dict[str, Any]:
-    """An issue as commands print it in JSON."""
+    """Return an issue as commands print it in JSON."""
     return {
         "code": issue.code,
         "severity": issue.severity,

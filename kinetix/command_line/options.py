@@ -20,7 +20,7 @@ _EXPONENT: Final = re.compile(r"\d+(\.\d+)?[eE]\+?\d{1,2}")
 
 @OPTIONS.primitive_rule
 def _optional(info: PrimitiveTypeInfo) -> PrimitiveConstructorSpec[Any] | None:
-    """A type or nothing: the type."""
+    """Return a type or nothing: the type."""
     inner = _without_none(info.type)
     if inner is None:
         return None
@@ -61,7 +61,7 @@ _NUMBERS: Final[dict[type, tuple[str, Callable[[str], Any], tuple[type, ...]]]] 
 
 @OPTIONS.primitive_rule
 def _number(info: PrimitiveTypeInfo) -> PrimitiveConstructorSpec[Any] | None:
-    """A number; a large whole one also as people write it: `1e6`."""
+    """Return a number; a large whole one also as people write it: `1e6`."""
     found = _NUMBERS.get(info.type) if isinstance(info.type, type) else None
     if found is None:
         return None

@@ -32,7 +32,7 @@ def parse(
     Args:
         command: A dataclass, or a union of subcommands: what the words are read as.
         program: The command as people type it, for the help.
-        description: What the help says first; by default the docstring of `command`.
+        description: First lines of the help; by default the docstring of `command`.
         words: The words after the program's; by default those of this process.
     """
     words = [_as_a_shell_gives_it(word) for word in (sys.argv[1:] if words is None else words)]

@@ -47,8 +47,8 @@ def load_params_from_wandb_artifact_path(checkpoint_name: str) -> dict[str, Any]
     """Return the parameters of an artefact, or of a folder or file of this machine.
 
     Raises:
-        CheckpointError: There are no safetensors in it.
-        KinetixError: It is neither a path nor, without the package wandb, to be had.
+        CheckpointError: The artefact holds no safetensors.
+        KinetixError: The name is not a path, and wandb is not installed or cannot fetch it.
     """
     return _params_in(_folder(checkpoint_name, None))
 
@@ -70,7 +70,7 @@ def load_train_state_from_wandb_artifact_path(
         return_extra: Return the train state and, as a dictionary, what else was saved.
 
     Raises:
-        CheckpointError: There are no safetensors in it, or parameters of another network.
+        CheckpointError: The artefact holds no safetensors, or parameters of another network.
     """
     del load_only_params
     folder = _folder(checkpoint_name, specific_dir)
@@ -126,7 +126,7 @@ def save_model(
 
 
 def _folder(name: str, target: str | None) -> Path:
-    """The folder or file of a checkpoint; what is not on this machine is downloaded."""
+    """Return the folder or file of a checkpoint; what is not on this machine is downloaded."""
     if os.path.exists(Path(name)):
         return Path(name)
     return Path(wandb_package().Api().artifact(name).download(root=target))

@@ -137,7 +137,7 @@ def get_tags(config: Mapping[str, Any], name: str) -> list[str]:
 
 
 def _flat(config: Mapping[str, Any]) -> dict[str, Any]:
-    """The options of all sections side by side; the two records stay dictionaries."""
+    """Return the options of all sections side by side; the two records stay dictionaries."""
     flat: dict[str, Any] = {}
     for key, value in config.items():
         name = str(key).lower()
@@ -153,7 +153,7 @@ def _fields(record: Any) -> list[str]:
 
 
 def _changed(record: Any, flat: Mapping[str, Any], block: str) -> Any:
-    """The record with what its block, and the options beside it, say."""
+    """Return the record with the values of its block and of the options beside it."""
     given = dict(flat.get(block) or {})
     names = [name for name in _fields(type(record)) if name != "features"]
     changes = {name: given[name] for name in names if name in given}

@@ -113,7 +113,7 @@ class GeneralActorCriticRNN:
     """
 
     def __init__(self, *arguments: Any, **options: Any) -> None:
-        """Say what makes a network.
+        """Describe the network.
 
         Raises:
             KinetixError: Always.
@@ -175,7 +175,7 @@ def make_network_from_config(
     """Return the network of a configuration.
 
     Args:
-        env: Says what is observed and how actions are given.
+        env: Environment with the observation and the actions.
         env_params: Taken for kinetix-env's sake.
         config: Options by the names of `NetworkConfig`; `fc_layer_depth` and `fc_layer_width` set
             those of actor and critic, `permutation_invariant_mlp` picks the network without
@@ -183,7 +183,7 @@ def make_network_from_config(
         network_kws: Options that come before those of the configuration.
 
     Raises:
-        KinetixError: An option is outside its range; the sentence names it.
+        KinetixError: An option is outside its range; the message names it.
     """
     del env_params
     options = {**config, **(network_kws or {})}

@@ -32,18 +32,18 @@ Names = dict[str, Place]
 
 
 def _at(home: str, *names: str, **renamed: str) -> Names:
-    """Names that live in one module; `there=here` where they are called otherwise."""
+    """Return names that live in one module; `there=here` where they are called otherwise."""
     same = {name: Place(home=home, name=name) for name in names}
     return same | {there: Place(home=home, name=here) for there, here in renamed.items()}
 
 
 def _old(home: str, instead: str, **names: str) -> Names:
-    """Names of 0.x and 1.x, which warn."""
+    """Return names of 0.x and 1.x, which warn."""
     return {there: Place(home=home, name=here, instead=instead) for there, here in names.items()}
 
 
 def _none(instead: str, *names: str) -> Names:
-    """Names without a counterpart."""
+    """Return names without a counterpart."""
     return dict.fromkeys(names, Place(instead=instead))
 
 
@@ -464,7 +464,7 @@ def find(module: str, name: str) -> Any:
         name: One of its names.
 
     Raises:
-        ImportError: There is no such thing here; the sentence says what to use.
+        ImportError: The name has no counterpart here; the message says what to use.
     """
     place = MODULES[module][name]
     if not place.home:

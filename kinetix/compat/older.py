@@ -47,7 +47,7 @@ def make_kinetix_env_from_name(
     """Make an environment from a name such as `Kinetix-Symbolic-Continuous-v1`.
 
     Raises:
-        KinetixError: The name is none of these; the sentence lists its parts.
+        KinetixError: The name is none of these; the message lists its parts.
     """
     parts = name.lower().split("-")
     if len(parts) != 4 or parts[1] not in _OBSERVATIONS or parts[2] not in _ACTIONS:

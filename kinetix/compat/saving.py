@@ -62,7 +62,7 @@ def load_evaluation_levels(
         The levels, and the parameters that fit them all.
 
     Raises:
-        KinetixError: There is no level, or one does not fit.
+        KinetixError: No level is given, or one does not fit.
     """
     if not len(eval_levels):
         raise KinetixError("eval_levels is empty: expected at least one level")
@@ -96,7 +96,7 @@ def import_env_state_from_json(
     """Return the state and the parameters that the parsed JSON of kinetix-env's format describes.
 
     Raises:
-        LevelError: It is bad; one sentence with the JSON path.
+        LevelError: The JSON is wrong; one sentence with the JSON path.
     """
     source = loads_document(json.dumps(json_file), "json_file").source
     if source is None:
@@ -128,8 +128,9 @@ def export_env_state_to_json(
         env_params: The time limit, where the state has none.
 
     Raises:
-        KinetixError: It is no state, a batch of them, or one without values, within `jax.jit`.
-        LevelError: It holds what no level can say, or the file cannot be written.
+        KinetixError: `env_state` is not a state, is a batch of them, or has no values, within
+            `jax.jit`.
+        LevelError: The state has something that no level can hold, or the file cannot be written.
     """
     del static_env_params
     path = Path(filename)
@@ -201,7 +202,7 @@ def load_params(filename: str | Path) -> dict[str, Any]:
     """Read a tree of parameters from a safetensors file.
 
     Raises:
-        CheckpointError: It is none; pickles are not read.
+        CheckpointError: The file is not a safetensors file; pickles are not read.
     """
     try:
         arrays = load_file(filename)
@@ -224,7 +225,7 @@ def load_pretrained_checkpoint(checkpoint_dir: str | Path) -> tuple[dict[str, An
     """Read `params.safetensors` and `config.json`: parameters and configuration.
 
     Raises:
-        CheckpointError: One of them is missing or damaged.
+        CheckpointError: One of the files is missing or damaged.
     """
     directory = Path(checkpoint_dir)
     try:

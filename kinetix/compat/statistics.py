@@ -56,7 +56,7 @@ def _moments(x: Array) -> tuple[Array, Array, Array]:
 
 
 def _merged(old: RunningMeanStandard, mean: Array, var: Array, count: Array) -> RunningMeanStandard:
-    """Statistics of both samples.
+    """Return the statistics of both samples together.
 
     Source: Chan, Golub and LeVeque, "Algorithms for computing the sample variance" (1983).
     """
@@ -72,7 +72,7 @@ def _merged(old: RunningMeanStandard, mean: Array, var: Array, count: Array) -> 
 
 
 def _rows(statistics: RunningMeanStandard, x: Array) -> Array:
-    """All leading axes as one."""
+    """Return all leading axes as one."""
     shape = jnp.shape(statistics.mean)
     return jnp.reshape(x, (-1, *shape))
 

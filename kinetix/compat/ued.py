@@ -115,7 +115,7 @@ def make_vmapped_filtered_level_sampler(
     ued_params: UEDParams | None = None,
     return_rngs: bool = False,
 ) -> LevelSampler:
-    """Return a function that draws levels of which (nearly) none is won by doing nothing.
+    """Return a function that draws levels; (nearly) none is won by doing nothing.
 
     Args:
         level_sampler: Draws one level from a key.
@@ -154,7 +154,7 @@ def create_vmapped_filtered_distribution(  # noqa: PLR0913 (kinetix-env's signat
     env_size_name: str,
     level_filter_n_steps: int,
 ) -> EnvState:
-    """Draw levels of which (nearly) none is won by doing nothing."""
+    """Draw levels; (nearly) none is won by doing nothing."""
     del env_size_name
     config = {
         "filter_levels": do_filter_levels,

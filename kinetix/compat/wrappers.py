@@ -34,7 +34,7 @@ class GymnaxWrapper:
 
 
 class UnderspecifiedEnvWrapper(GymnaxWrapper):
-    """An environment that is told where to start; episodes end and stay ended."""
+    """An environment that is given each start; episodes end and stay ended."""
 
     def step(self, rng: Array, state: Any, action: Any, params: Any = None) -> Any:
         """Play one action; nothing is reset."""

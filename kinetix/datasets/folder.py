@@ -71,13 +71,13 @@ class Added:
 
 
 def read_manifest(folder: Path) -> Manifest:
-    """Return what a data set says of itself.
+    """Return the manifest of a data set.
 
     Args:
         folder: The data set.
 
     Raises:
-        KinetixError: There is no data set, or its manifest is bad; one sentence.
+        KinetixError: The folder is not a data set, or its manifest is bad; one sentence.
     """
     path = folder / MANIFEST
     if not os.path.isfile(path):
@@ -103,8 +103,8 @@ def read_dataset(folder: Path) -> Iterator[RecordedEpisode]:
         folder: The data set.
 
     Raises:
-        KinetixError: There is no data set, a shard is missing or damaged, or another than the
-            manifest says; one sentence.
+        KinetixError: The folder is not a data set, or a shard is missing, damaged, or differs from
+            the manifest; one sentence.
     """
     for k, shard in enumerate(read_manifest(folder).shards):
         path = folder / shard.file
@@ -133,7 +133,7 @@ def win_origins(folder: Path) -> Iterator[Origin]:
         folder: The data set.
 
     Raises:
-        KinetixError: There is no data set, or a shard is missing or damaged; one sentence.
+        KinetixError: The folder is not a data set, or a shard is missing or damaged; one sentence.
     """
     for shard in read_manifest(folder).shards:
         if shard.origins is not None:
@@ -143,7 +143,7 @@ def win_origins(folder: Path) -> Iterator[Origin]:
 
 
 def add_episodes(folder: Path, episodes: Iterable[RecordedEpisode]) -> Added:
-    """Add episodes to a data set, which is made where there is none.
+    """Add episodes to a data set, which is made if needed.
 
     Whatever ends it early, Ctrl+C too, what was taken until then is written; a kill loses a shard.
 
@@ -250,7 +250,7 @@ def unlisted_shards(folder: Path) -> list[Path]:
         folder: The data set.
 
     Raises:
-        KinetixError: There is no data set.
+        KinetixError: The folder is not a data set.
     """
     listed = {shard.file for shard in read_manifest(folder).shards}
     return sorted(path for path in folder.glob("*.npz") if path.name not in listed)
@@ -262,7 +262,7 @@ def _origins(episodes: Iterable[RecordedEpisode]) -> tuple[Origin, ...]:
 
 @contextlib.contextmanager
 def _opened(folder: Path) -> Iterator[Manifest]:
-    """Make the folder where there is none, and hold its lock."""
+    """Make the folder if needed, and hold its lock."""
     with begun_folder(folder, "another recording"):
         if os.path.isfile(folder / MANIFEST):
             yield read_manifest(folder)

@@ -35,7 +35,7 @@ from kinetix.level.sizes import parse_capacity
 from kinetix.wording import misfit, plural
 
 ORIGINS: Final = "origins.json"
-"""File that says of our own trajectories where they are from; kinetix-env's have none."""
+"""File with the origins of our own trajectories; kinetix-env's have none."""
 STEPS: Final = 256
 """Environment steps in a trajectory; an episode that is over begins again."""
 PREFIX: Final = "env_state/"
@@ -128,7 +128,7 @@ def _written(out: Path, episodes: Iterable[RecordedEpisode], capacity: Capacity)
                 f"{episode.level.name}: left out: played again from its controls alone, it ends "
                 f"otherwise than {episode.outcome} after {plural(episode.length, 'step')}: a body "
                 "was pulled at, or it was played in a step that rounds differently; record the "
-                "level anew with `kinetix dataset record`"
+                "level again with `kinetix dataset record`"
             )
             continue
         if episode.length > STEPS:
@@ -224,7 +224,7 @@ def read_offline(folder: Path) -> Iterator[RecordedEpisode]:
         folder: Shards (`.npz`) with the fields of kinetix-env's layout.
 
     Raises:
-        KinetixError: There is no shard, or one is damaged or holds something else.
+        KinetixError: The folder has no shard, or one that is damaged or holds something else.
     """
     shards = sorted(folder.glob("*.npz"))
     if not shards:
@@ -276,7 +276,7 @@ def _episode(rows: dict[str, np.ndarray], name: str, origin: _Origin) -> Recorde
 
 
 def _level(first: dict[str, np.ndarray], name: str) -> Level:
-    """The level that a first state is of."""
+    """Return the level that a first state is of."""
     groups = {group: _rows(first, group) for group in _GROUPS}
     for group, key in (("polygon", "polygon"), ("circle", "circle")):
         roles, densities = first[f"{PREFIX}{key}_shape_roles"], first[f"{PREFIX}{key}_densities"]

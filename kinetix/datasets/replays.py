@@ -1,6 +1,6 @@
-"""Recorded episodes played again: whether the controls alone tell them, and the states they pass.
+"""Recorded episodes played again, to check that the controls reproduce them and for their states.
 
-Nothing but controls is kept on disk, so observations of any kind can be made anew.
+Only controls are kept on disk; observations of any kind can be computed from them.
 """
 
 import dataclasses
@@ -78,7 +78,7 @@ def replay(episode: RecordedEpisode, capacity: Capacity | None = None) -> Replay
 
 
 def checked(episode: RecordedEpisode) -> RecordedEpisode:
-    """Return the episode with `replays` as playing it again tells.
+    """Return the episode with `replays` as found by playing it again.
 
     Args:
         episode: The episode; one that cannot be played, such as under physics that there is not,

@@ -74,7 +74,7 @@ def pack(episodes: Sequence[RecordedEpisode]) -> bytes:
 
 
 def _played(episodes: Sequence[RecordedEpisode]) -> dict[str, np.ndarray]:
-    """The arrays of a shard that tell of its episodes, not of their levels."""
+    """Return the arrays of a shard about its episodes, not their levels."""
     lengths = [episode.length for episode in episodes]
     done = np.zeros(sum(lengths), bool)
     done[np.cumsum(lengths) - 1] = True
@@ -113,7 +113,7 @@ def read_ids(path: Path) -> tuple[str, ...]:
     """Return the identities of a shard's episodes.
 
     Raises:
-        KinetixError: It cannot be read, or is no shard.
+        KinetixError: The file cannot be read, or is not a shard.
     """
     arrays = read_npz(path, "episodes", only=("schema", "episode_id"))
     _check_schema(arrays, path)

@@ -49,12 +49,12 @@ class _Places:
     named: bool
     """True if the word is the place itself: what is wrong with it is an error."""
     passed_over: tuple[str, ...] = ()
-    """A sentence per file below a folder that is called a level or a data set and is none."""
+    """A message per file below a folder that is named like a level or data set but is not one."""
     unlike: frozenset[Path] = frozenset()
-    """Folders of data sets with a bad manifest: what their shards are is said by that."""
+    """Folders of data sets with a bad manifest; their shards are not reported again."""
 
     def sound(self, items: Iterator[T], tell: Callable[[str], Any]) -> Iterator[T]:
-        """Yield items until one is damaged, which is told below a folder and raised elsewhere."""
+        """Yield items until one is damaged: reported below a folder, raised elsewhere."""
         try:
             yield from items
         except KinetixError as error:
@@ -76,7 +76,7 @@ class _Places:
                 yield FoundEpisode(episode=episode, place="solution", name=each.name)
 
     def saved(self) -> Iterator[tuple[Path, RecordedEpisode | KinetixError]]:
-        """Read the files that the editor saved, or say what is wrong with those below a folder."""
+        """Read the files that the editor saved, or report faults of those below a folder."""
         for path in self.traces:
             try:
                 yield path, episode_of_trace(path)
@@ -88,7 +88,7 @@ class _Places:
 
 
 def untold(sentence: str) -> None:
-    """Leave a sentence out: who wants to know it has been told."""
+    """Discard a message; it has been reported already."""
 
 
 def episodes_of(source: str, tell: Callable[[str], Any] = untold) -> Iterator[FoundEpisode]:
@@ -173,7 +173,7 @@ def _places(source: str) -> _Places:
 
 
 def _datasets(path: Path) -> tuple[list[Path], dict[Path, str]]:
-    """The data sets below a folder, and what is wrong with others, by their folders."""
+    """Return the data sets below a folder, and what is wrong with others, by their folders."""
     datasets, unlike = [], {}
     for file in sorted(path.rglob(MANIFEST)):
         try:

@@ -19,7 +19,7 @@ def episode_of_trace(path: Path) -> RecordedEpisode:
         path: Written by the editor.
 
     Returns:
-        The episode; whether its controls alone tell it is not known yet: see `replays.checked`.
+        The episode; `replays.checked` finds out whether its controls reproduce it.
 
     Raises:
         KinetixError: The file is missing, is no such episode, does not begin at the start, or has
@@ -46,7 +46,7 @@ def episode_of_arrays(arrays: dict[str, np.ndarray], level: Level, name: str) ->
         name: How messages call it.
 
     Raises:
-        KinetixError: It does not begin at the start, or has no end.
+        KinetixError: The episode does not begin at the start, or has no end.
         KeyError: An array is missing.
         ValueError: An array has the wrong shape.
     """

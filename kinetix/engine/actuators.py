@@ -68,7 +68,7 @@ class Motors:
 
 
 def motors(world: World, action: Float[Array, "j n"]) -> Motors:
-    """The motors under a control of −1 … 1."""
+    """Return the motors under a control of −1 … 1."""
     joints = world.joints
     inertia_a, inertia_b = take_pair(world.bodies.inverse_inertia, joints.body_a, joints.body_b)
     return Motors(runs=motor_runs(world, action), inverse_inertia=inertia_a + inertia_b)

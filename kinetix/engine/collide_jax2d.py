@@ -72,7 +72,7 @@ def moved_polygons(
 def circle_circle(
     a: Int[np.ndarray, " q"], b: Int[np.ndarray, " q"], centre: Vec, radius: Float[Array, "r n"]
 ) -> Manifold:
-    """Contacts between circles; indices count circles.
+    """Return contacts between circles; indices count circles.
 
     Coincident centres give a zero normal.
     """
@@ -185,7 +185,7 @@ def _largest_separation(
 
 
 def _pick(array: Vec, index: Int[Array, "q n"]) -> Vec:
-    """Row `index` of the second axis, for each pair and world."""
+    """Return the row `index` of the second axis, for each pair and world."""
     mask = np.arange(array.x.shape[1])[None, :, None] == index[:, None]
     return Vec(
         x=jnp.sum(jnp.where(mask, array.x, 0), axis=1),

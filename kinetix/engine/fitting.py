@@ -1,8 +1,8 @@
-"""A step of just the slots that a scene fills, in a state that keeps all of them. One world.
+"""A step of only the slots that a scene fills, in a state with all of them. One world.
 
 Cost grows with the capacity, so a level that fills 7 of 16 bodies and no joint steps several times
-as fast in a step of its own size. The state keeps the capacity of its size: whoever observes,
-draws or edits it need not know.
+as fast in a step of its own size. The state keeps the capacity of its size: observation, rendering
+and editing code is unaffected.
 """
 
 import dataclasses
@@ -27,7 +27,7 @@ _MOVING = ("position", "rotation", "velocity", "angular_velocity")
 
 @functools.cache
 def fitted(spec: SceneSpec) -> SceneSpec:
-    """The scene with its used slots alone: what the solver is compiled for."""
+    """Return the scene with its used slots alone: what the solver is compiled for."""
     used, pairs = spec.features.used, spec.features.pairs
     if used is None:
         return spec
@@ -48,7 +48,7 @@ def fitted(spec: SceneSpec) -> SceneSpec:
 def narrow(
     world: World, state: State, control: Control, spec: SceneSpec
 ) -> tuple[World, State, Control]:
-    """The used slots alone, with bodies numbered anew.
+    """Return the used slots alone, with bodies renumbered.
 
     The state's cache is that of the fitted scene already; which pairs touched is not carried over,
     as no step reads it.
@@ -78,7 +78,7 @@ def narrow(
 
 
 def widen(before: State, after: State, spec: SceneSpec) -> State:
-    """The state of all slots after a step of the used ones; the others stay as they were."""
+    """Return the state of all slots after a step of the used ones; the others stay as they were."""
     used = _used(spec)
     bodies = np.full(spec.capacity.bodies, -1, np.int32)
     bodies[list(used.bodies)] = np.arange(len(used.bodies))
@@ -113,7 +113,7 @@ def _used(spec: SceneSpec) -> Used:
 
 
 def _of(tree: T, slots: Sequence[int] | Int[np.ndarray, " k"]) -> T:
-    """Some rows of every array."""
+    """Return some rows of every array."""
     index = np.array(slots, np.int32)
 
     def pick(x: Shaped[Array, "rows ..."]) -> Shaped[Array, "k ..."]:
@@ -125,6 +125,6 @@ def _of(tree: T, slots: Sequence[int] | Int[np.ndarray, " k"]) -> T:
 
 
 def _renumbered(body: Int[Array, " k"], used: Used) -> Int[Array, " k"]:
-    """Indices of bodies among the used ones; 0 in slots that this level leaves empty."""
+    """Return indices of bodies among the used ones; 0 in slots that this level leaves empty."""
     same: Bool[Array, "k b"] = body[:, None] == np.array(used.bodies, np.int32)
     return jnp.sum(jnp.where(same, np.arange(len(used.bodies), dtype=np.int32), 0), axis=1)

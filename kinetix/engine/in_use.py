@@ -55,7 +55,7 @@ class InUse:
         return sum(links * rows for links, rows in self.groups)
 
     def one_row_each(self) -> "InUse":
-        """The same links with a row each."""
+        """Return the same links with a row each."""
         return InUse(counts=self.counts, groups=tuple((links, 1) for links, _ in self.groups))
 
     def each(self, visit: Callable[[Int[Array, ""], T], T], start: T) -> T:
@@ -92,7 +92,7 @@ class InUse:
         return np.cumsum([0, *(links * rows for links, rows in self.groups)])[:-1].tolist()
 
     def inner(self, left: Float[Array, "m n"], right: Float[Array, "m n"]) -> Float[Array, " n"]:
-        """The sum of the products of vectors that are 0 in rows that are not in use."""
+        """Return the sum of the products of vectors that are 0 in rows that are not in use."""
 
         def add(k: Int[Array, ""], total: Float[Array, " n"]) -> Float[Array, " n"]:
             return total + row(left, k)[0] * row(right, k)[0]
@@ -102,7 +102,7 @@ class InUse:
     def product(
         self, matrix: Float[Array, "m m n"], vector: Float[Array, "m n"]
     ) -> Float[Array, "m n"]:
-        """A symmetric matrix times a vector that is 0 in rows that are not in use."""
+        """Return a symmetric matrix times a vector that is 0 in rows that are not in use."""
 
         def add(k: Int[Array, ""], total: Float[Array, "m n"]) -> Float[Array, "m n"]:
             return total + row(matrix, k)[0] * row(vector, k)
@@ -129,7 +129,7 @@ def _visited(
     start: T,
 ) -> T:
     """One loop through the first entries of some blocks, each given by their number and place."""
-    # Not even the shape of a visit can be told where there is nothing.
+    # Without bodies not even the shape of a visit is known.
     if most == 0:
         return start
     ends = list(itertools.accumulate(count for count, _ in blocks))

@@ -61,7 +61,7 @@ def take_pair(values: T, first: Int[Array, "k n"], second: Int[Array, "k n"]) ->
 def _gather(
     values: Shaped[Array, "rows *rest n"], index: Int[Array, "k n"]
 ) -> Shaped[Array, "k *rest n"]:
-    """One gather from the table as one long row, said directly.
+    """Gather from the table as one long row, written directly.
 
     Worlds as a batch axis of the gather would be joined to the indices first, and what
     `take_along_axis` adds for negative indices is a large part of the time that compiling takes.
@@ -80,7 +80,7 @@ def _gather(
 
 
 def onto(values: T, index: Int[Array, "k n"], rows: int) -> T:
-    """The sums of the entries that go to each row of a table: the transpose of `take`.
+    """Return the sums of the entries that go to each row of a table: the transpose of `take`.
 
     Args:
         values: Arrays (k, n) in any pytree.
@@ -132,7 +132,7 @@ def put(
 
 
 def column(matrix: Float[Array, "m k n"], index: Int[Array, ""] | int) -> Float[Array, "m n"]:
-    """One column of every world's matrix."""
+    """Return one column of every world's matrix."""
     return jax.lax.dynamic_index_in_dim(
         matrix, index, 1, keepdims=False, allow_negative_indices=False
     )

@@ -1,4 +1,4 @@
-"""Kind of machine that a step is made for: the one place that tells processors from accelerators.
+"""Kind of machine that a step is made for: the one place that distinguishes CPU and GPU.
 
 A processor wants few worlds at a time, intermediate results stored once and loops over short
 tables. An accelerator wants the whole batch as one program of few and large operations, so there
@@ -14,13 +14,13 @@ _WHOLE: Final = contextvars.ContextVar("whole", default=False)
 
 
 def takes_whole_batches() -> bool:
-    """Tell whether what is traced now is meant for an accelerator."""
+    """Return whether the code being traced is meant for an accelerator."""
     return _WHOLE.get()
 
 
 @contextlib.contextmanager
 def whole_batches() -> Iterator[None]:
-    """Trace what follows as for an accelerator; also the way to run that program on a processor."""
+    """Trace the enclosed code for an accelerator, even if it runs on a CPU."""
     token = _WHOLE.set(True)
     try:
         yield

@@ -40,17 +40,17 @@ def vec(array: Float[Array, "rows 2 *n"]) -> Vec:
 
 
 def unvec(v: Vec) -> Float[Array, "rows 2 *n"]:
-    """The inverse of `vec`."""
+    """Return the array that `vec` took apart."""
     return jnp.stack([v.x, v.y], axis=1)
 
 
 def dot(a: Vec, b: Vec) -> Float[Array, "..."]:
-    """Scalar product."""
+    """Return the scalar product."""
     return a.x * b.x + a.y * b.y
 
 
 def cross(a: Vec, b: Vec) -> Float[Array, "..."]:
-    """The out-of-plane component of a × b: a_x b_y − a_y b_x."""
+    """Return the out-of-plane component of a × b: a_x b_y − a_y b_x."""
     return a.x * b.y - a.y * b.x
 
 
@@ -65,15 +65,15 @@ def rotate(cos: Scalar, sin: Scalar, v: Vec) -> Vec:
 
 
 def length(v: Vec) -> Float[Array, "..."]:
-    """Euclidean length."""
+    """Return the Euclidean length."""
     return jnp.sqrt(dot(v, v))
 
 
 def where(condition: Shaped[Array, "..."], a: Vec, b: Vec) -> Vec:
-    """Componentwise choice."""
+    """Choose by component."""
     return Vec(x=jnp.where(condition, a.x, b.x), y=jnp.where(condition, a.y, b.y))
 
 
 def nonzero(x: Float[Array, "..."]) -> Float[Array, "..."]:
-    """The same, with exact zeros replaced by 1, for use as a denominator."""
+    """Return the same, with exact zeros replaced by 1, for use as a denominator."""
     return jnp.where(x == 0, 1, x)

@@ -14,7 +14,7 @@ LARGE: Final = 200
 
 
 def pack(tree: Tree) -> dict[str, Shaped[Array, "n _"]]:
-    """All small arrays of a kind in one, worlds first: one to move instead of dozens."""
+    """Return all small arrays of a kind in one, worlds first: one to move instead of dozens."""
     groups: dict[str, list[Array]] = {}
     for number, leaf in enumerate(jax.tree.leaves(tree)):
         # Moving truth values takes several times as long as moving numbers.
@@ -31,7 +31,7 @@ def _group(number: int, dtype: Any, rows: int) -> str:
 
 
 def unpack(packed: dict[str, Shaped[Array, "..."]], like: Tree, axis: int) -> Tree:
-    """The inverse of `pack`; `like` tells the shapes, but not how many worlds there are.
+    """Undo `pack`; `like` has the shapes, but not the number of worlds.
 
     Args:
         packed: With the worlds on the last axis (axis 0) or on the first one (axis 1).

@@ -11,7 +11,7 @@ from kinetix.engine.spec import ARENA_BODIES, Capacity, Features
 
 @functools.cache
 def candidate_pairs(capacity: Capacity) -> Int[np.ndarray, "q 2"]:
-    """All pairs of slots that can touch, as global indices.
+    """Return all pairs of slots that can touch, as global indices.
 
     The order is kinetix-env's: polygon–polygon (i < j, without the pairs inside the arena), then
     circle–polygon (for each circle, each polygon; listed circle first), then circle–circle (i < j).

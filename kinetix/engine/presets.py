@@ -16,7 +16,7 @@ training."""
 
 
 def solver_named(name: str | AbstractSolver) -> AbstractSolver:
-    """The solver behind a preset's or a solver's name; a solver is its own.
+    """Return the solver behind a preset's or a solver's name; a solver is its own.
 
     Raises:
         KinetixError: The name is neither; the message lists the valid ones.

@@ -32,7 +32,7 @@ class Polygons:
 
 
 def turn_polygons(bodies: Bodies, rotation: Float[Array, "b n"]) -> Polygons:
-    """The polygons at their bodies' angles."""
+    """Return the polygons at their bodies' angles."""
     polygons, corner_count = bodies.vertices.shape[:2]
     angle = rotation[:polygons, None]
     local = Vec(x=bodies.vertices[:, :, 0], y=bodies.vertices[:, :, 1])

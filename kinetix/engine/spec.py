@@ -32,7 +32,7 @@ class Capacity:
         )
 
     def union(self, other: "Capacity") -> "Capacity":
-        """The smallest capacity that covers both."""
+        """Return the smallest capacity that covers both."""
         pairs = zip(dataclasses.astuple(self), dataclasses.astuple(other), strict=True)
         return Capacity(
             **dict(
@@ -55,7 +55,7 @@ class Used:
     thrusters: tuple[int, ...]
 
     def union(self, other: "Used") -> "Used":
-        """The slots that either of two scenes fills."""
+        """Return the slots that either of two scenes fills."""
         kinds = zip(self._kinds, other._kinds, strict=True)
         bodies, joints, thrusters = (tuple(sorted({*mine, *theirs})) for mine, theirs in kinds)
         return Used(bodies=bodies, joints=joints, thrusters=thrusters)
@@ -86,7 +86,7 @@ class Features:
     thrusters: bool = True
 
     def lacks(self, needed: "Features") -> tuple[str, ...]:
-        """The names of those among some features that are not among these."""
+        """Return the names of those among some features that are not among these."""
         return tuple(
             field.name
             for field in dataclasses.fields(self)

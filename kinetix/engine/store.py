@@ -27,11 +27,11 @@ class Store:
 
     @staticmethod
     def beside(values: Float[Array, "..."]) -> "Store":
-        """A store whose condition hangs on values that only exist at run time (NaN included)."""
+        """A store whose condition depends on values that only exist at run time (NaN included)."""
         return Store(always=~(values.ravel()[0] > 1e30))
 
     def __call__(self, tree: T) -> T:
-        """The same values, computed exactly once."""
+        """Return the same values, computed exactly once."""
         if takes_whole_batches():
             return tree
         return jax.lax.cond(self.always, lambda x: x, _other, tree)

@@ -134,7 +134,7 @@ class Control:
 
 @pytree
 class Parameters:
-    """Numbers that may change without compiling anew."""
+    """Numbers that may change without recompiling."""
 
     dt: Float[Array, ""]
     """Time step [s]."""

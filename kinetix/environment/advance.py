@@ -74,7 +74,7 @@ def advance(
 
 
 def _play(state: EnvState, control: Control, params: EnvParams, static: StaticEnvParams) -> _Played:
-    """All physics steps of one action; what counts is the first one with a touch."""
+    """Play all physics steps of one action; what counts is the first one with a touch."""
     engine = physics_engine(static)
     parameters = engine_parameters(params)
     world = state.world
@@ -87,7 +87,7 @@ def _play(state: EnvState, control: Control, params: EnvParams, static: StaticEn
             physics.touching, world, state.labels, includes_joined=static.touch_includes_joined
         )
         ended = played.reward != 0
-        # A state tells what ended it, also where the shapes have parted since.
+        # A state keeps what ended it, even if the shapes have parted since.
         touching = jnp.where(ended, played.physics.touching, physics.touching)
         return _Played(
             physics=dataclasses.replace(physics, touching=touching),

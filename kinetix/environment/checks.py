@@ -42,7 +42,7 @@ def check_params(env_params: Any, order: str = _ORDER) -> None:
         order: Right order of the arguments, for the sentence.
 
     Raises:
-        KinetixError: It is something else, or has a number that cannot be.
+        KinetixError: The value has another type, or a number out of range.
     """
     if env_params is None:
         return
@@ -62,7 +62,7 @@ def check_env(env: Any) -> None:
     """Refuse what is no environment, before something is wrapped around it.
 
     Raises:
-        KinetixError: It has no `step`.
+        KinetixError: The value has no `step`.
     """
     if not callable(getattr(env, "step", None)):
         raise KinetixError(f"env: expected an environment, got {kind_of(env)}")
@@ -76,7 +76,8 @@ def check_worlds(arguments: Mapping[str, Any], devices: int) -> None:
         devices: How many devices share the worlds.
 
     Raises:
-        KinetixError: One is no batch or one of another length, or the worlds cannot be shared.
+        KinetixError: An argument is not a batch or has another length, or the worlds cannot be
+            shared.
     """
     worlds = 0
     for name, argument in arguments.items():
@@ -110,7 +111,7 @@ def check_static_params(static_env_params: Any, order: str) -> None:
         order: Right order of the arguments, for the sentence.
 
     Raises:
-        KinetixError: It is something else.
+        KinetixError: The value has another type.
     """
     if not hasattr(static_env_params, "frame_skip"):
         kind = kind_of(static_env_params)
@@ -143,7 +144,7 @@ def check_truth(name: str, value: Any) -> None:
         value: The argument.
 
     Raises:
-        KinetixError: It is something else.
+        KinetixError: The value is not a truth value.
     """
     if not isinstance(value, bool | np.bool_):
         raise KinetixError(f"{name}={value!r}: expected True or False")
@@ -160,7 +161,7 @@ def check_key(
         many: What takes a batch, for the sentence.
 
     Raises:
-        KinetixError: It is something else, or a batch of keys.
+        KinetixError: `key` is not a random key, or is a batch of keys.
     """
     kind = getattr(key, "dtype", None)
     typed = kind is not None and jnp.issubdtype(kind, jax.dtypes.prng_key)
@@ -180,7 +181,7 @@ def check_draw(key: Any) -> None:
         key: Its argument.
 
     Raises:
-        KinetixError: It is no key, a batch of them, or the process was forked.
+        KinetixError: `key` is not a random key, or is a batch, or the process was forked.
     """
     refuse_forked_process()
     check_key(key, "a reset function takes a key alone", "jax.vmap(reset_fn)")
@@ -194,7 +195,7 @@ def check_is_state(state: Any, order: str = _ORDER) -> None:
         order: Right order of the arguments, for the sentence.
 
     Raises:
-        KinetixError: It is something else.
+        KinetixError: The value has another type.
     """
     if not isinstance(state, EnvState):
         inside = " (its field env_state is one)" if hasattr(state, "env_state") else ""
@@ -210,7 +211,7 @@ def check_one_state(state: Any, many: str, order: str = _ORDER) -> None:
         order: Right order of the arguments, for the sentence.
 
     Raises:
-        KinetixError: It is something else, or a batch.
+        KinetixError: The value is not a state, or is a batch.
     """
     check_is_state(state, order)
     if shape := jnp.shape(state.timestep):
@@ -225,7 +226,7 @@ def check_size(state: EnvState, want: Capacity) -> None:
         want: The environment's.
 
     Raises:
-        KinetixError: It has others.
+        KinetixError: The state has other sizes.
     """
     have = capacity_of_world(state.world)
     if have != want:
@@ -249,7 +250,8 @@ def check_state(
         many: What takes a batch, for the sentence.
 
     Raises:
-        KinetixError: It is not a state, a batch, of another size, precision or physics.
+        KinetixError: The value is not a state, is a batch, or has another size, precision or
+            physics.
     """
     check_one_state(state, many)
     check_size(state, engine.spec.capacity)
@@ -282,8 +284,8 @@ def check_values(
     Args:
         env: An environment, or a wrapper around one.
         actions: What an action means; None: its values are not looked at.
-        arguments: Those of its `step`, `reset` or `get_obs`.
-        named: Likewise.
+        arguments: Positional arguments of its `step`, `reset` or `get_obs`.
+        named: Keyword arguments of it.
         batch: True for an action a world; it is not waited for, as that would cost some percent.
 
     Raises:
@@ -330,7 +332,7 @@ def refuse_what_is_no_array(name: str, arguments: Any) -> None:
         arguments: A tree of its arguments.
 
     Raises:
-        KinetixError: One of them is no array and no number.
+        KinetixError: An argument is neither an array nor a number.
     """
     for leaf in jax.tree.leaves(arguments):
         if not is_array(leaf):
@@ -344,13 +346,14 @@ def refuse_what_is_no_array(name: str, arguments: Any) -> None:
 
 
 def fitted(state: EnvState, engine: PhysicsEngine) -> EnvState:
-    """A state as the environment can step it: dtypes settled, the solver's memory its own.
+    """Return a state as the environment can step it: dtypes settled, the solver's memory its own.
 
     A state that was made for another solver keeps its bodies; its memory of contacts starts empty.
 
     Raises:
-        KinetixError: It is no state, a batch of them, or has other capacities than the environment;
-            the message says which of polygons, circles, joints, thrusters and by how much.
+        KinetixError: `state` is not a state, is a batch of them, or has other capacities than the
+            environment; the message says which of polygons, circles, joints, thrusters and by how
+            much.
     """
     if not isinstance(state, EnvState):
         hint = "a reset function returns one, and so does kinetix.environment.reset.level_state"

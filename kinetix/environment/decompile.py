@@ -17,7 +17,7 @@ from kinetix.level.model import InertiaModel, Level
 
 
 def level_of(state: EnvState, name: str = "Untitled") -> Level:
-    """A state as a level, which can be saved, shown and opened in the editor.
+    """Return a state as a level, which can be saved, shown and opened in the editor.
 
     Where the bodies are and how they move becomes the start; `level_state` makes the same state of
     it, but for empty slots, and joints and thrusters of bodies that were switched off. A random
@@ -28,8 +28,10 @@ def level_of(state: EnvState, name: str = "Untitled") -> Level:
         name: The level's title.
 
     Raises:
-        KinetixError: It is no state, a batch of them, or one without values, within `jax.jit`.
-        LevelError: It holds what no level can say, such as a body that turns but does not move.
+        KinetixError: `state` is not a state, is a batch of them, or has no values, within
+            `jax.jit`.
+        LevelError: The state has something that no level can hold, such as a body that turns but
+            does not move.
     """
     if not isinstance(name, str) or not name:
         raise KinetixError(f"name {name!r:.60}: expected a title")
@@ -42,14 +44,14 @@ def level_of(state: EnvState, name: str = "Untitled") -> Level:
 
 
 def scene_of(state: EnvState, max_timesteps: float | None = None) -> Scene:
-    """A state's arrays, with a time limit.
+    """Return a state's arrays, with a time limit.
 
     Args:
         state: One state.
         max_timesteps: The time limit where the state has none; None: the usual one.
 
     Raises:
-        KinetixError: It is a batch, or without values.
+        KinetixError: `state` is a batch, or has no values.
     """
     if isinstance(state.timestep, Tracer):
         raise KinetixError("state: it has no values within jax.jit or vmap: return it from there")

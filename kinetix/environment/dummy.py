@@ -30,7 +30,7 @@ class DummyEnv:
     def step_env(
         self, key: Array, state: EnvState, action: Any, params: EnvParams | None = None
     ) -> StepResult:
-        """The same state again."""
+        """Return the same state again."""
         return self.step(key, state, action, params)
 
     def reset_env(self, key: Array, params: EnvParams | None = None) -> tuple[Any, EnvState]:
@@ -67,7 +67,7 @@ class DummyEnv:
         env_params: EnvParams | None = None,
         override_reset_state: EnvState | None = None,
     ) -> StepResult:
-        """The same state again."""
+        """Return the same state again."""
         no = jnp.zeros((), bool)
         info = dict.fromkeys(("GoalR", "terminated", "truncated", "nan", "overflow"), no)
         info |= {"distance": jnp.zeros(())}

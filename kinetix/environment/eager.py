@@ -94,13 +94,13 @@ def thorough(method: Callable[..., Any]) -> Callable[..., Any]:
 def _without_own(
     env: Any, place: int, arguments: tuple[Any, ...], named: dict[str, Any]
 ) -> tuple[tuple[Any, ...], dict[str, Any]]:
-    """The arguments without parameters that are the environment's own: they are one program.
+    """Drop `env_params` that equal the environment's own: both calls share one program.
 
     Args:
-        env: What the method belongs to.
+        env: The method's environment.
         place: Where the parameters stand among the arguments.
-        arguments: Those of the method.
-        named: Likewise.
+        arguments: Positional arguments of the call.
+        named: Keyword arguments of the call.
     """
     given = named.get("env_params", arguments[place] if place < len(arguments) else None)
     try:

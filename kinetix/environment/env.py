@@ -47,7 +47,7 @@ ResetFunction = Callable[[Array], EnvState]
 
 
 def _settled(state: EnvState) -> EnvState:
-    """The state with strong dtypes, so that steps can be scanned."""
+    """Return the state with strong dtypes, so that steps can be scanned."""
     return jax.tree.map(lambda x: jax.lax.convert_element_type(x, jnp.asarray(x).dtype), state)
 
 
@@ -88,7 +88,7 @@ class KinetixEnv(MethodsOfKinetixEnv):
         )
 
     def __deepcopy__(self, memo: Any) -> Self:
-        """Itself, as for any value: a copy of `reset_fn` would be another, and compile anew."""
+        """Return the environment itself: a copied `reset_fn` would be unequal and recompile."""
         return self
 
     @property
@@ -123,7 +123,7 @@ class KinetixEnv(MethodsOfKinetixEnv):
         return space.n if hasattr(space, "n") else space.shape[0]
 
     def action_space(self, env_params: EnvParams | None = None) -> Any:
-        """The set of actions; the argument is there for gymnax's sake."""
+        """Return the set of actions; the argument is there for gymnax's sake."""
         return self.actions.action_space
 
     def observation_space(self, env_params: EnvParams | None = None) -> Space:
@@ -149,7 +149,7 @@ class KinetixEnv(MethodsOfKinetixEnv):
             Observation and state.
 
         Raises:
-            KinetixError: There is neither an override nor a `reset_fn`, or the state does not fit.
+            KinetixError: Neither an override nor a `reset_fn` is given, or the state does not fit.
         """
         if isinstance(env_params, EnvState) and override_reset_state is None:
             # Wrappers whose `reset` has one argument beside the key pass a level through it.
@@ -207,10 +207,10 @@ class KinetixEnv(MethodsOfKinetixEnv):
 
     @quick_alone
     def get_obs(self, state: EnvState) -> Any:
-        """The observation of a state.
+        """Return the observation of a state.
 
         Raises:
-            KinetixError: It is no state, a batch of them, or one of other sizes.
+            KinetixError: `state` is not a state, is a batch of them, or has other sizes.
         """
         check_one_state(state, "jax.vmap(env.get_obs)")
         check_size(state, self.static_env_params.capacity)
@@ -235,7 +235,7 @@ class KinetixEnv(MethodsOfKinetixEnv):
         return self._fitted(self._require_reset_fn()(key) if override is None else override)
 
     def _first_step(self, seeds: tuple[Array, EnvState | None]) -> tuple[EnvState, Any]:
-        """State and observation at the start of an episode."""
+        """Return the state and observation at the start of an episode."""
         state = self._start(*seeds)
         return state, self._observe(state)
 

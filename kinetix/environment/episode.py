@@ -213,7 +213,7 @@ def _play(
 def _decision(
     decide: Decide, params: Any, carry: Any, observation: Any, key: Array, begins: Any
 ) -> tuple[Any, Any, Any]:
-    """The action of one world, the next carry and the rest."""
+    """Return the action of one world, the next carry and the rest."""
     seen = jax.tree.map(lambda x: x[None], observation)
     keys = jax.random.split(key, 1)
     actions, carry, said = decide(params, carry, seen, keys, jnp.asarray(begins)[None])

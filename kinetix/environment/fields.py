@@ -215,7 +215,7 @@ class FieldsOfKinetixEnv:
         )
 
     def _in_world(self, body: Array, local: Array) -> Float[Array, "*n k 2"]:
-        """Points of bodies' frames in the world [m]."""
+        """Return points of bodies' frames in the world [m]."""
         angle = jnp.take_along_axis(jnp.asarray(self.physics.rotation), body, axis=-1)
         origin = jnp.take_along_axis(
             jnp.asarray(self.physics.position), jnp.asarray(body)[..., None], axis=-2

@@ -16,7 +16,7 @@ DEATH_TOUCH = GREEN * RED
 
 
 def touch_matrix(touching: Bool[Array, " q"], capacity: Capacity) -> Bool[Array, "b b"]:
-    """The candidate pairs' flags as a matrix, each at (first, second) of its pair only.
+    """Return the candidate pairs' flags as a matrix, each at (first, second) of its pair only.
 
     Slices and concatenation instead of a scatter: the pairs of one row of the matrix lie side by
     side in the list, so that under vmap this is nothing but copying.
@@ -44,7 +44,7 @@ def touch_matrix(touching: Bool[Array, " q"], capacity: Capacity) -> Bool[Array,
 
 
 def _row(flags: Bool[Array, " k"], width: int, offset: int) -> Bool[Array, " b"]:
-    """The flags from column `offset` on, false elsewhere."""
+    """Return the flags from column `offset` on, false elsewhere."""
     return (
         jnp.pad(flags, (offset, width - offset - flags.shape[0]))
         if flags.size
@@ -60,7 +60,7 @@ def active_roles(world: World, labels: Labels) -> Int[Array, " b"]:
 def sparse_reward(
     touching: Bool[Array, " q"], world: World, labels: Labels, *, includes_joined: bool
 ) -> Float[Array, ""]:
-    """The reward of one physics step.
+    """Return the reward of one physics step.
 
     Args:
         touching: Which candidate pairs touched.
@@ -82,7 +82,7 @@ def sparse_reward(
 
 
 def goal_distance(position: Float[Array, "b 2"], world: World, labels: Labels) -> Float[Array, ""]:
-    """Sum over all pairs of a green and a blue body of their positions' distance [m]."""
+    """Return the sum over all pairs of a green and a blue body of their positions' distance [m]."""
     role = active_roles(world, labels)
     pairs = (role[:, None] == GREEN) & (role[None, :] == BLUE)
     x, y = position[:, 0], position[:, 1]

@@ -35,20 +35,20 @@ class _Table:
     features: tuple[Feature, ...]
 
     def column(self, name: str) -> Float[Array, " e"]:
-        """One column."""
+        """Return one column."""
         names = [feature.name for feature in self.features]
         return self.rows[:, names.index(name)]
 
     def vector(self, name: str) -> Float[Array, "e 2"]:
-        """Two columns that are coordinates."""
+        """Return two columns that are coordinates."""
         return jnp.stack([self.column(f"{name}_x"), self.column(f"{name}_y")], axis=1)
 
     def flag(self, name: str) -> Bool[Array, " e"]:
-        """A column of zeros and ones as truth values."""
+        """Return a column of zeros and ones as truth values."""
         return self.column(name) > 0.5
 
     def angle(self, name: str) -> Float[Array, " e"]:
-        """The angle of a sine and a cosine, −π … π [rad]."""
+        """Return the angle of a sine and a cosine, −π … π [rad]."""
         return jnp.arctan2(self.column(f"sin_{name}"), self.column(f"cos_{name}"))
 
     def choice(self, prefix: str) -> Int[Array, " e"]:
@@ -77,7 +77,7 @@ class _Parsed:
 def state_from_entities(
     observation: EntityObservation, env_params: EnvParams, static_env_params: StaticEnvParams
 ) -> EnvState:
-    """The state that an entity observation shows; what it does not show has its usual value.
+    """Return the state that an entity observation shows; what it does not show has its usual value.
 
     Rotations come out between 0 and 2π, limits between −π and π; contacts are forgotten, no motor
     is automatic, gravity is vertical.
@@ -109,10 +109,10 @@ def state_from_entities(
 def state_from_flat(
     observation: Float[Array, " f"], env_params: EnvParams, static_env_params: StaticEnvParams
 ) -> EnvState:
-    """The state that a flat observation shows.
+    """Return the state that a flat observation shows.
 
     As for `state_from_entities`; besides, walls and ceiling are the standard ones, and inverse
-    masses and inertias that were clipped are computed anew from shape and density, as Kinetix does.
+    masses and inertias that were clipped are recomputed from shape and density, as Kinetix does.
 
     Args:
         observation: As `FlatObservations` makes it, without a batch axis.
@@ -153,10 +153,10 @@ def state_from_flat(
 def make_inverse_render_symbolic(
     env_params: EnvParams, static_env_params: StaticEnvParams
 ) -> Callable[[Any], Float[Array, "w h 3"]]:
-    """A function that draws symbolic observations.
+    """Return a function that draws symbolic observations.
 
     Args:
-        env_params: Parameters; they say how large the picture is.
+        env_params: Parameters, with the size of the picture.
         static_env_params: Sizes.
 
     Returns:
@@ -183,7 +183,7 @@ def _table(rows: Any, features: tuple[Feature, ...], *, count: int | None = None
 
 
 def _body(table: _Table, name: str, size: Capacity) -> Int[Array, " e"]:
-    """The body in the one-hot columns `name_polygon_0` … `name_circle_…`."""
+    """Return the body in the one-hot columns `name_polygon_0` … `name_circle_…`."""
     first = [f.name for f in table.features].index(f"{name}_polygon_0")
     return jnp.argmax(table.rows[:, first : first + size.bodies], axis=1).astype(jnp.int32)
 
@@ -194,7 +194,7 @@ def _shows_body(table: _Table) -> Bool[Array, " e"]:
 
 
 def _with_arena(listed: _Table, layout: Layout) -> _Table:
-    """The polygons with walls and ceiling, which the flat form leaves out."""
+    """Return the polygons with walls and ceiling, which the flat form leaves out."""
     walls, _ = body_rows(_empty(layout), layout)
     rows = jnp.concatenate([listed.rows[:1], walls[1:ARENA_BODIES], listed.rows[1:]])
     return _Table(rows=rows, features=listed.features)
@@ -283,7 +283,7 @@ def _joints(parsed: _Parsed) -> Joints:
 
 
 def _with_masses(state: EnvState) -> EnvState:
-    """Inverse masses and inertias that the flat form clipped, from shape and density.
+    """Return the inverse masses and inertias that the flat form clipped, from shape and density.
 
     Source: the conventions of Kinetix (physics of its levels): a disc's inertia is π/4·ρ·r⁴.
     """

@@ -1,4 +1,4 @@
-"""The environment as jaxued's `UnderspecifiedEnv`: it is told each level, and episodes stay ended.
+"""The environment as jaxued's `UnderspecifiedEnv`: it is given each level; episodes stay ended.
 
 jaxued is not needed by the rest of the project; it is imported when the adapter is made.
 """
@@ -32,7 +32,7 @@ def as_underspecified_env(env: KinetixEnv) -> Any:
         raise KinetixError("jaxued is not installed: pip install jaxued") from None
 
     class Underspecified(base):
-        """Plays what it is told to."""
+        """An environment that plays the levels that it is given."""
 
         @property
         def default_params(self) -> EnvParams:

@@ -1,4 +1,4 @@
-"""What the step of an environment that was made for some levels leaves out of others."""
+"""Refuse levels with features that a specialised environment does not simulate."""
 
 from typing import Final
 
@@ -36,6 +36,6 @@ def check_features(world: World, features: Features, name: str = "the level") ->
     lacking = features.lacks(features_of(world))
     if lacking:
         raise KinetixError(
-            f"{name}: the environment was made for other levels, and its step leaves out "
-            f"{', '.join(_PARTS[part] for part in lacking)}: make it with this level among them"
+            f"{name}: the environment was specialised for other levels and leaves out "
+            f"{', '.join(_PARTS[part] for part in lacking)}; create it with this level included"
         )

@@ -16,11 +16,11 @@ def refuse_mesh(arguments: tuple[Any, ...], named: Mapping[str, Any]) -> None:
     are read and written in ways that have no explicit sharding.
 
     Args:
-        arguments: Of a method; the first array of the first one is looked at.
-        named: Its other arguments, which count where there are no such.
+        arguments: Of a method; the first array of the first argument is checked.
+        named: Its keyword arguments, checked if there are no others.
 
     Raises:
-        KinetixError: One is so, with what to do.
+        KinetixError: The arrays lie on such a mesh; the message says what to do.
     """
     axes = set(jax.sharding.get_abstract_mesh().axis_types)
     first = next(iter((*arguments, *named.values())), None)

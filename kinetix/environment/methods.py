@@ -21,7 +21,7 @@ REPLACEABLE = frozenset({"reset", "step", "render"})
 """Methods that wrappers of others replace on one environment, by assignment."""
 
 _PIXELS: Final = "kinetix.make_render_pixels(env.env_params, env.static_env_params)"
-"""What draws batches, and within `jax.jit`, for error messages."""
+"""Batched call, and the one within `jax.jit`, for error messages."""
 
 
 class ResetsByName:
@@ -70,7 +70,8 @@ class MethodsOfKinetixEnv(ResetsByName):
             env_params: Parameters; by default those of the environment.
 
         Raises:
-            KinetixError: It is no state, a batch of them, or one of another environment.
+            KinetixError: `env_state` is not a state, is a batch of them, or is of another
+                environment.
         """
         engine = self.physics_engine  # pyright: ignore[reportAttributeAccessIssue]
         check_state(env_state, engine, "jax.vmap(env.engine_step)")
@@ -93,7 +94,7 @@ class MethodsOfKinetixEnv(ResetsByName):
         """Return the sparse reward of what touches in a state, and `GoalR` and `distance`.
 
         Raises:
-            KinetixError: It is no state, or a batch of them.
+            KinetixError: `env_state` is not a state, or is a batch of them.
         """
         check_one_state(env_state, "jax.vmap(env.compute_reward_info)")
         world, labels, physics = env_state.world, env_state.labels, env_state.physics
@@ -110,7 +111,8 @@ class MethodsOfKinetixEnv(ResetsByName):
         """Return the picture of a state: (height, width, 3), 0 … 255, the first row on top.
 
         Raises:
-            KinetixError: It is no state, a batch of them, or one without values, within `jax.jit`.
+            KinetixError: `state` is not a state, is a batch of them, or has no values, within
+                `jax.jit`.
         """
         check_one_state(state, f"jax.vmap({_PIXELS})", "the order is render(state, env_params)")
         if isinstance(state.physics.position, Tracer):

@@ -66,10 +66,10 @@ def make_named_env(
         physics: Physics preset or solver.
         auto_reset: Whether `step` goes on with a new episode where one is done.
         dense_reward_scale: Weight of the distance reward; None: that of `EnvParams`.
-        frame_skip: Physics steps per environment step; None: 2, or what the file says.
+        frame_skip: Physics steps per environment step; None: 2, or that of the file.
 
     Raises:
-        KinetixError: A word is none of these; the sentence lists them.
+        KinetixError: A word is none of these; the message lists them.
     """
     changes: dict[str, Any] = {} if frame_skip is None else {"frame_skip": frame_skip}
     if isinstance(level, str) and level.endswith(RANDOM):
@@ -131,16 +131,16 @@ def level_names(levels: str | Path | list[SetLevel]) -> tuple[str, ...]:
 
 
 def _has_several(name: str | Path) -> bool:
-    """Whether this is a folder or a level set, not a level."""
+    """Return whether this is a folder or a level set, not a level."""
     place = place_of(name)
     return os.path.isdir(place) or is_set_file(place)
 
 
 def _all_of(levels: Levels) -> list[SetLevel]:
-    """The levels, one by one.
+    """Return the levels, one by one.
 
     Raises:
-        KinetixError: There is none, or something else among them.
+        KinetixError: `levels` is empty, or has something that is not a level.
     """
     if isinstance(levels, LoadedSet):
         return list(levels.levels)

@@ -24,7 +24,7 @@ Parity = Literal["kinetix-3"]
 
 @pytree
 class EnvParams:
-    """Numbers that may change without compiling anew; hashable by value, a pytree under jit."""
+    """Numbers that may change without recompiling; hashable by value, a pytree under jit."""
 
     dt: float = 1 / 60
     """Physics step [s]."""
@@ -74,7 +74,7 @@ class EnvParams:
 
     @property
     def max_steps_in_episode(self) -> int:
-        """What gymnax calls `max_timesteps`."""
+        """The time limit, by gymnax's name `max_timesteps`."""
         return self.max_timesteps
 
 
@@ -85,7 +85,7 @@ def as_numbers(env_params: EnvParams) -> EnvParams:
         env_params: Of an environment that is about to be made.
 
     Raises:
-        KinetixError: One is traced.
+        KinetixError: A parameter is traced.
     """
     changes: dict[str, Any] = {}
     for field in dataclasses.fields(env_params):
@@ -179,7 +179,7 @@ class PhysicsEngine:
 
 
 def engine_parameters(env_params: EnvParams) -> Parameters:
-    """The engine's share of `EnvParams`, under the engine's names."""
+    """Return the engine's share of `EnvParams`, under the engine's names."""
     values: dict[str, Any] = {
         "dt": env_params.dt,
         "base_friction": env_params.base_friction,
@@ -256,7 +256,7 @@ def static_env_params_from_size(size: str, return_dict: bool = False, **changes:
 
 
 def with_parity(static_env_params: StaticEnvParams, parity: Parity | None) -> StaticEnvParams:
-    """The same sizes under the physics of kinetix-env when parity is asked for.
+    """Return the same sizes under the physics of kinetix-env when parity is asked for.
 
     Raises:
         KinetixError: For any other value than `"kinetix-3"` and None.

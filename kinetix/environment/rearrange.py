@@ -97,7 +97,7 @@ def check_bindings(state: EnvState, static_env_params: StaticEnvParams, *, name:
 def permute_state(
     key: Array, state: EnvState, static_env_params: StaticEnvParams | None = None
 ) -> EnvState:
-    """The same level with its circles, polygons, joints and thrusters in other slots.
+    """Return the same level with its circles, polygons, joints and thrusters in other slots.
 
     Each kind is permuted uniformly and independently; the arena stays. Which body of a joint is
     first does not change. The memory of contacts is emptied.
@@ -108,7 +108,7 @@ def permute_state(
         static_env_params: Taken for kinetix-env's sake; the state knows its sizes.
 
     Raises:
-        KinetixError: It is no key or no state, or a batch.
+        KinetixError: `key` is not a key, `state` is not a state, or one is a batch.
     """
     del static_env_params
     refuse_forked_process()
@@ -138,7 +138,7 @@ def rearranged(
     joints: Int[Array, " j"],
     thrusters: Int[Array, " t"],
 ) -> EnvState:
-    """The state whose slot i holds what slot `polygons[i]` (and so on) held before."""
+    """Return the state whose slot i holds what slot `polygons[i]` (and so on) held before."""
     order = jnp.concatenate([polygons, polygons.shape[0] + circles])
     slot_of = jnp.argsort(order)
     world, labels = state.world, state.labels
@@ -231,14 +231,14 @@ def _expanded_world(world: World, sizes: tuple[Capacity, Capacity]) -> World:
 
 
 def _grown(rows: Any, count: int, *, fill: Any = 0) -> Array:
-    """Rows filled up to a count."""
+    """Return rows filled up to a count."""
     rows = jnp.asarray(rows)
     padding = [(0, count - rows.shape[0])] + [(0, 0)] * (rows.ndim - 1)
     return jnp.pad(rows, padding, constant_values=jnp.asarray(fill, rows.dtype))
 
 
 def _bodies(rows: Any, sizes: tuple[Capacity, Capacity], *, fill: Any = 0) -> Array:
-    """Rows of bodies, with gaps after the polygons and after the circles."""
+    """Return rows of bodies, with gaps after the polygons and after the circles."""
     have, need = sizes
     rows = jnp.asarray(rows)
     polygons, circles = rows[: have.polygons], rows[have.polygons :]

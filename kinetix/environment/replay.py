@@ -131,7 +131,7 @@ def state_after(
 
 
 def _stage(level: Level, physics: str, frame_skip: int) -> tuple[KinetixEnv, EnvState]:
-    """The environment that all levels of the size share, and the level's first state."""
+    """Return the environment that all levels of the size share, and the level's first state."""
     static = static_env_params_of(capacity_of(level), frame_skip=frame_skip, physics=physics)
     return playing_env(static), level_state(level, static)
 

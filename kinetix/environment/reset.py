@@ -70,7 +70,7 @@ class _OneOf:
     """Draws one of some levels; it can be pickled."""
 
     levels: EnvState
-    """Stacked."""
+    """The levels, stacked."""
     edges: Float[np.ndarray, " n"]
     """Sums of the probabilities of all levels up to each but the last."""
 
@@ -79,7 +79,7 @@ class _OneOf:
         return _one_of, (self.levels, self.edges)
 
     def __repr__(self) -> str:
-        """Tell of how many."""
+        """Return the number of levels."""
         return f"<reset function: one of {len(self.edges) + 1} levels>"
 
     def __call__(self, key: Array) -> EnvState:
@@ -111,7 +111,7 @@ def load_from_json_file(
     physics: str | None = None,
     parity: Parity | None = None,
 ) -> tuple[EnvState, StaticEnvParams, EnvParams]:
-    """A level file, ready for the environment.
+    """Return a level file, ready for the environment.
 
     A file of kinetix-env keeps its slots, gaps and stored inverse masses; a native file is compiled
     without gaps.
@@ -119,8 +119,8 @@ def load_from_json_file(
     Args:
         path: A file of either format, the name of a bundled level such as `s/name`, or a level.
         static_env_params: The sizes to compile to; by default the file's own.
-        gravity: `"fixed"`: (0, −9.81) whatever the file says.
-        time_limit: `"fixed"`: 256 steps whatever the file says.
+        gravity: `"fixed"`: (0, −9.81) whatever the file has.
+        time_limit: `"fixed"`: 256 steps whatever the file has.
         physics: Physics preset of the result; by default that of `static_env_params`.
         parity: `"kinetix-3"`: everything as kinetix-env does (physics `jax2d`, both `"fixed"`).
 
@@ -169,7 +169,7 @@ def _loaded(
 
 
 def level_state(level: LevelLike, static_env_params: StaticEnvParams) -> EnvState:
-    """A level in any form as a state of the given sizes.
+    """Return a level in any form as a state of the given sizes.
 
     Args:
         level: A file, a bundled name (with a suffix `.permuteN`, its entities are permuted with
@@ -199,7 +199,7 @@ def _file_of(level: str | Path | LoadedLevel) -> str:
 
 
 def _document_state(level: Level, static_env_params: StaticEnvParams) -> EnvState:
-    """A level that was found computable as a state of the given sizes."""
+    """Return a level that was found computable as a state of the given sizes."""
     engine = physics_engine_of(static_env_params)
     state = state_of(compile_level(level, spec=engine.spec, solver=engine.solver))
     return _fitting(state, static_env_params, f"level {level.name!r}")
@@ -214,7 +214,7 @@ def _fitting(state: EnvState, static_env_params: StaticEnvParams, name: str) -> 
 def make_reset_fn_list_of_levels(
     levels: Sequence[LevelLike] | LevelLike | Any, static_env_params: StaticEnvParams
 ) -> ResetFunction:
-    """A reset function that picks one of some levels.
+    """Return a reset function that picks one of some levels.
 
     Args:
         levels: Files, folders (all levels below them), bundled names of either, documents or states
@@ -226,7 +226,7 @@ def make_reset_fn_list_of_levels(
         A function of a key; every level is equally likely where no weights are given.
 
     Raises:
-        KinetixError: There is no level, or one does not fit; the message says which and why.
+        KinetixError: No level is given, or one does not fit; the message says which and why.
     """
     check_static_params(
         static_env_params, "the order is make_reset_fn_list_of_levels(levels, static_env_params)"
@@ -241,7 +241,7 @@ def make_reset_fn_list_of_levels(
 def static_env_params_for_levels(
     levels: Sequence[LevelLike] | LevelLike | Any, static_env_params: StaticEnvParams
 ) -> StaticEnvParams:
-    """The same sizes, with only what some levels use: their step computes nothing else.
+    """Return the same sizes, with only what some levels use: their step computes nothing else.
 
     Args:
         levels: In any form that `make_reset_fn_list_of_levels` takes. No others may be played.
@@ -260,7 +260,7 @@ def static_env_params_for_levels(
 def static_env_params_with_level(
     level: LevelLike, static_env_params: StaticEnvParams
 ) -> StaticEnvParams:
-    """The same sizes, for a level too: itself where their step leaves out nothing of it.
+    """Return the same sizes, for a level too: itself where their step leaves out nothing of it.
 
     Args:
         level: In any form.
@@ -284,7 +284,7 @@ def make_reset_fn_sample_kinetix_level(
     ued_params: "UEDParams | None" = None,
     physics_engine: PhysicsEngine | None = None,
 ) -> ResetFunction:
-    """A reset function that draws a random level of the given sizes.
+    """Return a reset function that draws a random level of the given sizes.
 
     Args:
         env_params: Parameters.
@@ -333,7 +333,7 @@ def make_reset_fn_sample_sizes(
 def make_reset_fn_locomotion(
     static_env_params: StaticEnvParams, locomotion_params: "LocomotionParams | None" = None
 ) -> ResetFunction:
-    """A reset function that draws walkers with a goal to reach.
+    """Return a reset function that draws walkers with a goal to reach.
 
     Args:
         static_env_params: Sizes and physics.
@@ -346,14 +346,14 @@ def make_reset_fn_locomotion(
 
 
 def make_reset_fn_empty(static_env_params: StaticEnvParams) -> ResetFunction:
-    """A reset function that always gives the level without any body but the arena."""
+    """Return a reset function that always gives the level without any body but the arena."""
     return make_reset_fn_list_of_levels(Level(name="empty"), static_env_params)
 
 
 def _draw(
     sampler: Callable[..., ResetFunction], engine: PhysicsEngine, options: Any, key: Array
 ) -> EnvState:
-    """A level from a sampler that is made where it is used: it cannot be pickled."""
+    """Return a level from a sampler that is made where it is used: it cannot be pickled."""
     return sampler(engine, options)(key)
 
 

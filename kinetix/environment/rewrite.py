@@ -57,7 +57,7 @@ def own_changes(state: Any, changes: Mapping[str, Any]) -> dict[str, Any]:
         changes: New values by names of `NAMES`.
 
     Raises:
-        KinetixError: There is no such field, or a value has another form than it.
+        KinetixError: The state has no such field, or a value has another form than the field.
     """
     for name in changes:
         if name not in NAMES:

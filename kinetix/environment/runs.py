@@ -54,7 +54,7 @@ class Run:
     ids: Int[np.ndarray, " b"]
     """Of the bodies, as the level has them."""
     time: Float[np.ndarray, " k"]
-    """[s]."""
+    """Times of the frames [s]."""
     position: Float[np.ndarray, "k b 2"]
     """Centres of mass [m]."""
     rotation: Float[np.ndarray, "k b"]
@@ -62,7 +62,7 @@ class Run:
     velocity: Float[np.ndarray, "k b 2"]
     """Of the centres of mass [m/s]."""
     angular_velocity: Float[np.ndarray, "k b"]
-    """[rad/s]."""
+    """Angular velocities of the bodies [rad/s]."""
     dropped_contacts: Int[np.ndarray, " s"]
     """Per step (one fewer than moments): 0 where every contact was solved."""
 
@@ -120,7 +120,7 @@ def simulate(
     Raises:
         KinetixError: An argument is none of that; or the process was forked from one in which JAX
             runs.
-        LevelError: There is no such level, or it cannot be compiled.
+        LevelError: The level does not exist, or cannot be compiled.
     """
     refuse_forked_process(f"{SPAWN}; a sweep in one process reuses what it has compiled")
     make_room()
@@ -257,7 +257,7 @@ def _steps(seconds: float, dt: float) -> int:
 
 
 def _action_rows(actions: Any, steps: int, dt: float) -> Float[np.ndarray, "s u"]:
-    """One row of the unified action per step."""
+    """Return one row of the unified action per step."""
     kind = ContinuousActions()
     channels = kind.motor_bindings + kind.thruster_bindings
     if actions is None:
@@ -282,7 +282,7 @@ def _action_rows(actions: Any, steps: int, dt: float) -> Float[np.ndarray, "s u"
 
 
 def _solution_rows(solution: Solution, steps: int, dt: float) -> Float[np.ndarray, "s u"]:
-    """The recorded actions, each for as long as it was recorded, then nothing.
+    """Return the recorded actions, each for as long as it was recorded, then nothing.
 
     Raises:
         KinetixError: A step would be longer than an action.

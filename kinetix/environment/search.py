@@ -35,9 +35,9 @@ from kinetix.pytree import on_device
 ELITE: Final = 24
 """Plans that a round keeps."""
 FRESH: Final = 64
-"""Plans a round that owe nothing to earlier ones."""
+"""Fresh random plans per round."""
 ROWS: Final = 512
-"""Plans are padded to a multiple of so many steps."""
+"""Plans are padded to a multiple of this many steps."""
 LOST: Final = 10.0
 """Distance that a loss counts for when plans are ranked [m]."""
 
@@ -57,7 +57,7 @@ class SearchProgress:
     compiling: float
     """Seconds of the first rounds, which compile."""
     compiled: bool
-    """Whether each kind has had its first round."""
+    """True once each kind has had its first round."""
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -168,7 +168,7 @@ def search_task(level: Level, env: KinetixEnv, *, physics: str, seed: int = 0) -
 def solving_env(
     levels: Sequence[Level], *, physics: str, frame_skip: int = LEVEL_FRAME_SKIP
 ) -> KinetixEnv:
-    """An environment for searching these levels, which ends its episodes.
+    """Return an environment for searching these levels, which ends its episodes.
 
     It computes what at least one of them can do. For one level that is least work a step; for
     many, one compilation serves them all.

@@ -19,11 +19,12 @@ _IN_USE: WeakValueDictionary[Hashable, Any] = WeakValueDictionary()
 
 
 def shared(function: Function, *made_of: Any) -> Function:
-    """The function made of the same things before, while anybody keeps it; else this one.
+    """Return the function made of the same things before, while it is in use; else this one.
 
     Args:
         function: Does the same as any other that is made of the same things.
-        made_of: All that it does hangs on. What cannot be hashed keeps functions apart.
+        made_of: Everything the function depends on. If it is not hashable, functions are not
+            shared.
     """
     try:
         # 256 and 256.0 are equal, but make arrays of different types.
@@ -52,7 +53,7 @@ def _remade(
 
 
 def digest(tree: Any) -> str:
-    """What tells pytrees of arrays apart: their structure, types, shapes and numbers."""
+    """Return a key of pytrees of arrays: their structure, types, shapes and numbers."""
     leaves, structure = jax.tree.flatten(tree)
     summary = hashlib.sha256(str(structure).encode())
     for leaf in map(np.asarray, leaves):

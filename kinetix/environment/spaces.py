@@ -38,7 +38,7 @@ class _Kind(enum.Enum):
         """Return the member with a name; a member stays as it is, an environment's own becomes it.
 
         Raises:
-            KinetixError: There is none of this name; the sentence lists them.
+            KinetixError: No member has this name; the message lists them.
         """
         try:
             name = getattr(name, "value", name)
@@ -71,7 +71,7 @@ _GYMNAX: Final = "gymnax.environments.spaces"
 
 @functools.cache
 def _with_base(kind: type, base: type) -> type:
-    """The class itself, with another base: instances of it are instances of both."""
+    """Return the class itself, with another base: instances of it are instances of both."""
     return type(kind.__name__, (kind, base), {"__module__": kind.__module__})
 
 
@@ -79,7 +79,7 @@ class Space(abc.ABC):
     """A set of values of one structure."""
 
     gymnax_name: ClassVar[str] = "Space"
-    """The class of gymnax that says the same."""
+    """Return the corresponding class of gymnax."""
 
     def __new__(cls, *arguments: Any, **options: Any) -> Self:
         """Make an instance that is one of gymnax's class as well, where gymnax is there."""
@@ -90,7 +90,7 @@ class Space(abc.ABC):
 
     @abc.abstractmethod
     def sample(self, key: Array) -> Any:
-        """A value drawn uniformly where the space is bounded."""
+        """Return a value drawn uniformly where the space is bounded."""
 
     @abc.abstractmethod
     def contains(self, x: Any) -> Bool[Array, ""]:
@@ -108,7 +108,7 @@ class Discrete(Space):
     dtype: Any = jnp.int32
 
     def sample(self, key: Array) -> Array:
-        """One integer, uniform."""
+        """Draw an integer uniformly."""
         return jax.random.randint(key, self.shape, 0, self.n, self.dtype)
 
     def contains(self, x: Any) -> Bool[Array, ""]:
@@ -147,7 +147,7 @@ class MultiDiscrete(Space):
         return (len(self.number_of_dims_per_distribution),)
 
     def sample(self, key: Array) -> Array:
-        """Every entry uniform over its classes."""
+        """Return every entry uniform over its classes."""
         classes = jnp.asarray(self.number_of_dims_per_distribution, self.dtype)
         return jax.random.randint(key, self.shape, 0, classes, self.dtype)
 
@@ -194,7 +194,7 @@ class Box(Space):
         )
 
     def __hash__(self) -> int:
-        """By shape and type."""
+        """Hash the shape and the type."""
         return hash((self.shape, np.dtype(self.dtype)))
 
     def sample(self, key: Array) -> Array:
@@ -225,7 +225,7 @@ class Binary(Space):
     dtype: Any = jnp.bool_
 
     def sample(self, key: Array) -> Array:
-        """Every entry a fair coin."""
+        """Return every entry a fair coin."""
         return jax.random.bernoulli(key, shape=self.shape)
 
     def contains(self, x: Any) -> Bool[Array, ""]:
@@ -247,7 +247,7 @@ class Dict(Space):
         return len(self.spaces)
 
     def sample(self, key: Array) -> dict[str, Any]:
-        """Every part drawn from its space."""
+        """Return every part drawn from its space."""
         keys = jax.random.split(key, len(self.spaces))
         return {
             name: space.sample(k)

@@ -30,9 +30,9 @@ class BodiesView:
     rotation: Float[Array, " b"]
     """Angles [rad]."""
     velocity: Float[Array, "b 2"]
-    """[m/s]."""
+    """Velocities of the bodies [m/s]."""
     angular_velocity: Float[Array, " b"]
-    """[rad/s]."""
+    """Angular velocities of the bodies [rad/s]."""
     active: Bool[Array, " b"]
     """True where the slot holds a body."""
 
@@ -73,7 +73,7 @@ class EnvState(FieldsOfKinetixEnv):
             **changes: New values: `gravity=…`, `polygon=state.polygon.replace(friction=…)`.
 
         Raises:
-            KinetixError: There is no such field.
+            KinetixError: The state has no such field.
         """
         return dataclasses.replace(self, **own_changes(self, changes))
 
@@ -94,7 +94,7 @@ StepResult = tuple[Any, EnvState, Float[Array, ""], Bool[Array, ""], dict[str, A
 
 
 def state_of(scene: Scene) -> EnvState:
-    """The state in which an episode of a compiled level starts."""
+    """Return the state in which an episode of a compiled level starts."""
     none_yet: Any = np.zeros((), np.int32)
     unknown: Any = np.full((), NO_DISTANCE, np.float32)
     return EnvState(
@@ -107,7 +107,7 @@ def state_of(scene: Scene) -> EnvState:
 
 
 def without_contacts(physics: State) -> State:
-    """The same bodies with no memory of contacts and impulses, as right after a reset."""
+    """Return the same bodies with no memory of contacts and impulses, as right after a reset."""
     return dataclasses.replace(
         physics,
         touching=jnp.zeros_like(physics.touching),
@@ -117,12 +117,12 @@ def without_contacts(physics: State) -> State:
 
 
 def stack_states(states: list[EnvState]) -> Any:
-    """States of equal capacity as one state with a leading axis of levels.
+    """Return states of equal capacity as one state with a leading axis of levels.
 
     By numpy: JAX would compile a program for every array, of a thousand levels for minutes.
 
     Raises:
-        KinetixError: There is no state, or they are of several sizes.
+        KinetixError: No state is given, or the states are of several sizes.
     """
     shapes = {tuple(np.shape(x) for x in jax.tree.leaves(state)) for state in states}
     if len(shapes) != 1:

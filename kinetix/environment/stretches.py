@@ -6,9 +6,9 @@ pass to the time limit costs as much as one batch of whole plans, and can string
 whole plan hits upon by chance, such as the steps of a walk. A little noise in the ranking keeps
 attempts alive that must first go away from the goal.
 
-A batch rounds differently from an episode that is played alone, and a walk of many steps makes a
-fall of such a difference. Where plans win in the batch only, the best one is followed alone for a
-while, and the search goes on from where that really leads, until what remains is short enough.
+Batched and single episodes round differently; over many steps the difference can turn a walk into a
+fall. Where plans win in the batch only, the best one is followed alone for a while, and the search
+goes on from where that really leads, until what remains is short enough.
 """
 
 import dataclasses
@@ -76,7 +76,7 @@ class Round:
 
 
 def stretches(task: Task) -> Iterator[Round]:
-    """One round a pass, each with other draws, without end.
+    """Yield one round per pass, each with other random numbers, without end.
 
     A pass goes from the start to the time limit, or from where a plan really leads that won in the
     batch only.
@@ -95,7 +95,7 @@ def stretches(task: Task) -> Iterator[Round]:
 
 
 def _pass(task: Task, start: EnvState, guide: Int[np.ndarray, "k 6"], followed: int) -> Round:
-    """One pass; the first attempt goes on with the guide's actions as far as they last."""
+    """Do one pass; the first attempt goes on with the guide's actions as far as they last."""
     states = jax.tree.map(lambda x: jnp.broadcast_to(x, (BATCH, *jnp.shape(x))), start)
     parents = np.arange(BATCH)
     plans = np.repeat(guide[None, :followed], BATCH, axis=0)

@@ -40,8 +40,8 @@ class VectorEnv(ResetsByName):
         """Refuse values that a compiled step cannot see; each call from Python begins with it.
 
         Args:
-            arguments: Those of `step`, `reset` or `get_obs`.
-            named: Likewise.
+            arguments: Positional arguments of `step`, `reset` or `get_obs`.
+            named: Keyword arguments of it.
 
         Raises:
             KinetixError: A parameter or a choice of an action is out of its range, or a level to
@@ -132,7 +132,7 @@ def vectorize(env: Any) -> VectorEnv:
         env: An environment for one world, or a wrapper around one; a vectorised one stays as it is.
 
     Raises:
-        KinetixError: It is no environment, or a wrapper around a vectorised one.
+        KinetixError: `env` is not an environment, or wraps a vectorised one.
     """
     check_env(env)
     if isinstance(env, VectorEnv):
@@ -143,7 +143,7 @@ def vectorize(env: Any) -> VectorEnv:
 
 
 def _axis(levels: EnvState | None) -> int | None:
-    """The axis of worlds of some levels; one level for all has none."""
+    """Return the axis of worlds of some levels; one level for all has none."""
     return None if levels is None or jnp.ndim(levels.timestep) == 0 else 0
 
 

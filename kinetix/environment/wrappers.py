@@ -102,7 +102,7 @@ class LogWrapper:
         env_params: EnvParams | None = None,
         override_reset_state: EnvState | LogState | None = None,
     ) -> tuple[Any, LogState, Float[Array, ""], Bool[Array, ""], dict[str, Any]]:
-        """Step, and report.
+        """Step, and report episodes that ended.
 
         Returns:
             As the environment's `step`; `info` gains `returned_episode_returns`,

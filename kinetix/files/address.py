@@ -68,7 +68,7 @@ def fetch(address: str, kind: Kind) -> bytes:
         kind: Whose limit of size holds.
 
     Raises:
-        FileError: It is no such address, cannot be reached, is too large or too slow, or breaks
+        FileError: The address is not valid, cannot be reached, is too large or too slow, or breaks
             off; one sentence.
     """
     if not is_address(address):

@@ -33,7 +33,7 @@ def read_npz(
         only: Names of the arrays that are wanted; None: all.
 
     Raises:
-        FileError: It cannot be read, is not such an archive, is damaged, or holds too much.
+        FileError: The file cannot be read, is not such an archive, is damaged, or holds too much.
     """
     with open_regular(path, kind) as file:
         # zipfile, zlib and NumPy raise whatever a damaged archive leads them to; here it is all
@@ -90,7 +90,7 @@ def tensor_shapes(path: Path) -> dict[str, tuple[int, ...]]:
     """Return names and shapes from the header of a safetensors file; no array is read.
 
     Raises:
-        FileError: It cannot be read, or is not such a file.
+        FileError: The file cannot be read, or is not a safetensors file.
     """
     with _safetensors(path) as file:
         names = list(file.keys())
@@ -107,7 +107,7 @@ def read_tensors(path: Path, shapes: Mapping[str, Any]) -> dict[str, np.ndarray]
         shapes: Names of the arrays, after their shapes were compared with `tensor_shapes`.
 
     Raises:
-        FileError: It cannot be read, or an array is of another type.
+        FileError: The file cannot be read, or an array is of another type.
     """
     with _safetensors(path) as file:
         try:

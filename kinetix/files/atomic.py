@@ -132,7 +132,7 @@ def replacing(path: Path, *, told: str = "") -> Iterator[Path]:
 
     Args:
         path: The file; its folder must exist.
-        told: Begins the sentence about a failure; by default that `path` cannot be saved.
+        told: Beginning of the message about a failure; by default that `path` cannot be saved.
 
     Yields:
         Path of a file that does not exist yet, in the same folder. After an exception it is
@@ -179,7 +179,8 @@ def _regular(path: Path) -> tuple[Path, os.stat_result | None]:
     """Return the file that links lead to and what is there now, or None.
 
     Raises:
-        OSError: It is something that must not be replaced: read-only, or a device.
+        OSError: The path leads to something that must not be replaced: a read-only file, or a
+            device.
     """
     try:
         target = Path(os.path.realpath(path))
@@ -202,10 +203,9 @@ def _regular(path: Path) -> tuple[Path, os.stat_result | None]:
 
 
 def _is_open_already(path: Path) -> bool:
-    """Return whether a name stands for an open file of a process, as `/dev/stdout` does.
+    """Return whether the path is a file descriptor of a process, such as `/dev/stdout`.
 
-    Links there seem to lead to a file, or to one that is not there; what writes to it already would
-    lose it.
+    Links there seem to lead to a file, or to a missing one; replacing it would cut off its writer.
     """
     step = Path(os.path.abspath(path))
     for _ in range(_MOST_LINKS):

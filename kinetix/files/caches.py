@@ -1,4 +1,4 @@
-"""Caches on disk, which can be made anew: one table of folders, each with a bound."""
+"""Caches on disk, which can be rebuilt: one table of folders, each with a bound."""
 
 import contextlib
 import dataclasses
@@ -53,7 +53,7 @@ def tidy_caches() -> None:
 
 
 def clear_cache(name: str) -> int:
-    """Delete the content of a cache; programs that run now make anew what they need.
+    """Delete the content of a cache; programs that run now rebuild what they need.
 
     The folder itself stays, as JAX does not make it again.
 

@@ -19,7 +19,7 @@ def made_folder(folder: Path) -> Path:
         The same.
 
     Raises:
-        KinetixError: There is a file in its place, or it cannot be made.
+        KinetixError: A file stands in its place, or the folder cannot be made.
     """
     try:
         folder.mkdir(parents=True, exist_ok=True)
@@ -40,7 +40,8 @@ def begun_folder(folder: Path, owner: str) -> Iterator[None]:
         owner: Who else may hold the lock, for the sentence: "another recording".
 
     Raises:
-        KinetixError: There is a file in its place, it cannot be made, or somebody else holds it.
+        KinetixError: A file stands in its place, the folder cannot be made, or another process
+            holds it.
     """
     is_new = not os.path.isdir(folder)
     made_folder(folder)

@@ -27,7 +27,7 @@ def read_json(path: Path, kind: Kind) -> Any:
     """Read a JSON file strictly: see `parse_strictly`.
 
     Raises:
-        FileError: It cannot be read, or is bad.
+        FileError: The file cannot be read, or is not valid.
     """
     return parse_strictly(read_text(path, kind), path)
 
@@ -36,7 +36,7 @@ def read_object(path: Path, kind: Kind) -> dict[str, Any]:
     """Like `read_json`, of a file whose top level is an object.
 
     Raises:
-        FileError: It cannot be read, is bad, or is something else.
+        FileError: The file cannot be read, is not valid, or does not hold an object.
     """
     tree = read_json(path, kind)
     if not isinstance(tree, dict):
@@ -52,8 +52,9 @@ def parse_strictly(text: str, file: str | Path) -> Any:
         file: Its name, for the sentence.
 
     Raises:
-        FileError: It is not JSON, is nested too deeply, names a key twice, or has a number that is
-            not finite or beyond 64 bits, or text that is not Unicode; the sentence says where.
+        FileError: The text is not JSON, is nested too deeply, names a key twice, or has a number
+            that is not finite or beyond 64 bits, or text that is not Unicode; the message says
+            where.
     """
     tree = parse(text, file)
     for path, problem in _oddities(tree, "$"):
@@ -72,7 +73,7 @@ def parse(text: str, file: str | Path) -> Any:
         file: Its name, for the sentence.
 
     Raises:
-        FileError: It is not JSON (with line and column), or is nested too deeply.
+        FileError: The text is not JSON (with line and column), or is nested too deeply.
     """
     if text.startswith("\ufeff"):
         raise FileError(file, "expected no byte-order mark")
@@ -118,7 +119,7 @@ def _object(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
 
 
 def _oddities(value: Any, path: str) -> Iterator[tuple[str, str]]:
-    """Yield where a tree says what other readers would understand in another way, and what."""
+    """Yield places of a tree that other readers would understand in another way, and why."""
     if isinstance(value, dict):
         if isinstance(value, DuplicateKeys):
             yield f"{path}.{value.key[:60]}", "the key stands twice"

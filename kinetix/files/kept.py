@@ -1,4 +1,4 @@
-"""One file of a cache: compressed, thrown away where it is not whole, absent where none can be."""
+"""A compressed cache file; deleted if damaged, skipped if the folder is not writable."""
 
 import contextlib
 import os
@@ -14,7 +14,7 @@ _Kept = TypeVar("_Kept")
 
 
 def read_kept(path: Path, use: Callable[[bytes], _Kept]) -> _Kept | None:
-    """Return what a file of a cache is used for; None where there is none, or it is no good.
+    """Return the content of a cache file; None if it is missing or damaged.
 
     Args:
         path: The file, as `write_kept` writes it.
@@ -24,7 +24,7 @@ def read_kept(path: Path, use: Callable[[bytes], _Kept]) -> _Kept | None:
         kept = use(zlib.decompress(path.read_bytes()))
     except FileNotFoundError:
         return None
-    except Exception:  # whatever is wrong with it, it is made anew
+    except Exception:  # a damaged file is rebuilt
         with contextlib.suppress(OSError):  # the folder may be one that can only be read
             path.unlink(missing_ok=True)
         return None
@@ -37,7 +37,7 @@ def write_kept(path: Path, content: bytes) -> None:
     """Write a file of a cache; where that cannot be done, it is made again another day.
 
     Args:
-        path: The file; its folder is made where there is none.
+        path: The file; its folder is made if needed.
         content: What `read_kept` hands on.
     """
     with contextlib.suppress(KinetixError, OSError):

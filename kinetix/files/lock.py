@@ -17,16 +17,16 @@ except ImportError:  # no POSIX system; folders are not locked there
 
 _TAKEN = (errno.EWOULDBLOCK, errno.EAGAIN, errno.EACCES)
 _LONGEST_WAIT: Final = 1.0
-"""For who holds a lock briefly [s]."""
+"""Longest wait for a lock that is held briefly [s]."""
 _LOOK_EVERY: Final = 0.005
-"""[s]"""
+"""Interval between two tries [s]."""
 
 
 @contextlib.contextmanager
 def held_briefly(folder: Path) -> Iterator[None]:
     """Hold a folder's lock for as long as a small file in it takes to be read and written.
 
-    Whoever else wants it waits: a second at most, and not at all where nothing can be locked.
+    Others wait for it: a second at most, and not at all if nothing can be locked.
     """
     descriptor = None
     with contextlib.suppress(OSError):

@@ -30,7 +30,7 @@ def open_regular(path: Path, kind: Kind) -> BinaryIO:
     """Open a regular file of bounded size; opening never waits for a writer.
 
     Raises:
-        FileError: It is missing, no regular file, or too large.
+        FileError: The file is missing, not a regular file, or too large.
     """
     try:
         descriptor = os.open(path, _OPEN)
@@ -74,7 +74,7 @@ def decode_text(data: bytes, file: str | Path) -> str:
     """Decode bytes as UTF-8 text.
 
     Raises:
-        FileError: They are not.
+        FileError: The bytes are not UTF-8.
     """
     try:
         return data.decode("utf-8")

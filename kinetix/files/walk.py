@@ -12,7 +12,7 @@ MOST_LINKED: Final = 20_000
 
 
 def walked(folders: Sequence[Path]) -> Iterator[tuple[Path, list[str], list[str]]]:
-    """Yield folders as `os.walk` does; those behind links come last, so that none is met by one.
+    """Yield folders as `os.walk` does; those behind links come last, so that real paths win.
 
     Args:
         folders: Where to begin; what cannot be read is left out.

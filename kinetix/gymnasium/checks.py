@@ -1,4 +1,4 @@
-"""What callers of Gymnasium's methods pass, checked, and the process that they call from."""
+"""Checks of arguments of Gymnasium's methods, and of the calling process."""
 
 import inspect
 from collections.abc import Mapping, Sequence
@@ -23,7 +23,7 @@ def refuse_fork() -> None:
         KinetixError: This is one.
     """
     refuse_forked_process(
-        'start it anew, as gymnasium.make_vec(…, vectorization_mode="async", '
+        'start it again, as gymnasium.make_vec(…, vectorization_mode="async", '
         'vector_kwargs={"context": "spawn"}), AsyncVectorEnv(…, context="spawn") or '
         'SubprocVecEnv(…, start_method="spawn") do; or step a batch in one process, with '
         "gymnasium.make_vec as it is"
@@ -31,14 +31,14 @@ def refuse_fork() -> None:
 
 
 def checked_options(options: Any, *known: str) -> Mapping[str, Any]:
-    """The options of a reset; empty where there are none.
+    """Return the options of a reset; empty where there are none.
 
     Args:
         options: What the caller passed.
         *known: The names that mean something.
 
     Raises:
-        KinetixError: It is no dictionary, or has another name.
+        KinetixError: `options` is not a dictionary, or has another name.
     """
     if options is None:
         return {}
@@ -54,10 +54,10 @@ def checked_options(options: Any, *known: str) -> Mapping[str, Any]:
 
 
 def checked_words(words: Mapping[str, Any]) -> Mapping[str, Any]:
-    """The keywords of an environment that Gymnasium hands on.
+    """Return the keywords of an environment that Gymnasium hands on.
 
     Raises:
-        KinetixError: One means nothing; the sentence lists those that do.
+        KinetixError: A keyword is unknown; the message lists those that exist.
     """
     known = [name for name in inspect.signature(make_named_env).parameters if name != "auto_reset"]
     known += ["render_mode", "render_size"]
@@ -76,7 +76,7 @@ def check_count(name: str, value: Any, *, optional: bool = False) -> None:
         optional: Whether None will do.
 
     Raises:
-        KinetixError: It is none.
+        KinetixError: `value` is not a whole number from 1.
     """
     if not (_is_whole(value) and value >= 1) and not (optional and value is None):
         or_none = ", or None" if optional else ""
@@ -91,7 +91,7 @@ def check_render_mode(mode: Any, known: Sequence[str]) -> None:
         known: The ways that there are.
 
     Raises:
-        KinetixError: It is another one.
+        KinetixError: The mode is unknown.
     """
     if mode is not None and mode not in known:
         raise KinetixError(f"render_mode={mode!r}: expected {', '.join(known)} or None")
@@ -104,7 +104,7 @@ def check_render_size(size: Any) -> None:
         size: What the caller passed; None: the usual one.
 
     Raises:
-        KinetixError: It is no whole number, too small or too large.
+        KinetixError: The size is not a whole number, too small or too large.
     """
     least, most = PICTURE_SIDES
     if size is not None and not (_is_whole(size) and least <= size <= most):
@@ -119,10 +119,10 @@ def _is_whole(value: Any) -> bool:
 
 
 def checked_seed(seed: Any) -> int:
-    """A seed as a Python number.
+    """Return a seed as a Python number.
 
     Raises:
-        KinetixError: It is no whole number, or too large.
+        KinetixError: The seed is not a whole number, or too large.
     """
     if not _is_whole(seed) or not 0 <= seed <= LAST_SEED:
         raise KinetixError(f"seed={seed!r}: expected a whole number from 0 to {LAST_SEED}")
@@ -130,10 +130,10 @@ def checked_seed(seed: Any) -> int:
 
 
 def numbers_of(action: Any) -> np.ndarray:
-    """An action, or a batch, as a numpy array.
+    """Return an action, or a batch, as a numpy array.
 
     Raises:
-        KinetixError: It holds something else than numbers.
+        KinetixError: The action holds something other than numbers.
     """
     try:
         array = np.asarray(action)
@@ -157,7 +157,7 @@ def check_fits(action: np.ndarray, space: gymnasium.Space[Any]) -> None:
         space: The `action_space` that the caller sees.
 
     Raises:
-        KinetixError: It is one; the sentence says what is expected.
+        KinetixError: The action has another shape or type than the space; the message says which.
     """
     if action.shape != space.shape:
         raise KinetixError(

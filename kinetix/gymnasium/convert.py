@@ -41,7 +41,7 @@ def gymnasium_space(space: spaces.Space, name: str = "") -> gymnasium.Space[Any]
 def numpy_observation(observation: Any) -> Any:
     """Return an observation, or a batch, as numpy arrays of its own; parts by name as a dictionary.
 
-    Whoever gets them may write into them: JAX's own memory may only be read.
+    The receiver may write into them: JAX's own memory may only be read.
     """
     if hasattr(observation, "_asdict"):
         observation = observation._asdict()

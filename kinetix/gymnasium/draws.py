@@ -28,12 +28,12 @@ class Draws:
 
     @classmethod
     def of(cls, generator: np.random.Generator, count: int) -> "Draws":
-        """Draws that hang on one generator, for environments that were given no seed."""
+        """Return random numbers from one shared generator, for unseeded environments."""
         seeds = generator.integers(SEEDS, size=count).tolist()
         return cls([seeding.np_random(seed)[0] for seed in seeds])
 
     def seed(self, seeds: Sequence[int | None], chosen: Bool[np.ndarray, " n"]) -> None:
-        """Begin anew with a seed each; None leaves an environment's draws as they are.
+        """Seed each environment; None leaves its random numbers as they are.
 
         Args:
             seeds: One for each environment.
@@ -52,7 +52,7 @@ class Draws:
         return self._keys
 
     def use(self, begun: Bool[np.ndarray, " n"]) -> None:
-        """Draw anew for the environments that have begun with their keys."""
+        """Draw new numbers for the environments that have begun with their keys."""
         for index in np.flatnonzero(begun).tolist():
             self._draw(index)
 

@@ -31,7 +31,7 @@ from kinetix.gymnasium.draws import SEEDS
 from kinetix.level.geometry import ARENA_WIDTH
 
 RENDER_FPS = 30
-"""Environment steps a second, at two physics steps each: what there is where none is made yet."""
+"""Environment steps per second, at two physics steps each, before an environment is made."""
 
 
 def steps_per_second(env: KinetixEnv) -> float:
@@ -103,7 +103,7 @@ class KinetixGymEnv(gymnasium.Env[Any, Any]):
                 `frame_skip`; see `kinetix.environment.named.make_named_env`.
 
         Raises:
-            KinetixError: A word is unknown; the sentence lists those that are known. Or the process
+            KinetixError: A word is unknown; the message lists those that are known. Or the process
                 was forked from one in which JAX runs.
         """
         refuse_fork()
@@ -130,11 +130,11 @@ class KinetixGymEnv(gymnasium.Env[Any, Any]):
         Args:
             seed: Draws this level and all later ones.
             options: `{"level": …}`: a level of the same size instead of a drawn one. The step is
-                compiled anew where it has what the environment's own levels lack.
+                recompiled where it has what the environment's own levels lack.
 
         Raises:
-            KinetixError: There is no such option, or the level does not fit. Or the process was
-                forked since the environment was made.
+            KinetixError: An option is unknown, the level does not fit, or the process was forked
+                since the environment was made.
         """
         refuse_fork()
         level = checked_options(options, "level").get("level")

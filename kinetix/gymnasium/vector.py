@@ -80,7 +80,7 @@ class KinetixVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
             **options: As for `KinetixGymEnv`.
 
         Raises:
-            KinetixError: A word is unknown; the sentence lists those that are known. Or the process
+            KinetixError: A word is unknown; the message lists those that are known. Or the process
                 was forked from one in which JAX runs.
         """
         refuse_fork()
@@ -128,11 +128,11 @@ class KinetixVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
         Args:
             seed: One for all (environment i gets seed + i), or one each. Each environment draws
                 its levels as a `KinetixGymEnv` with its seed does.
-            options: `{"reset_mask": mask}`: which environments start anew.
+            options: `{"reset_mask": mask}`: which environments restart.
 
         Raises:
-            KinetixError: There is no such option, the mask or the seeds are of another number, or
-                a seed is out of range. Or the process was forked since the batch was made.
+            KinetixError: An option is unknown, the mask or the seeds are of another number, a seed
+                is out of range, or the process was forked since the batch was made.
         """
         refuse_fork()
         make_room()
@@ -247,7 +247,7 @@ class KinetixVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
             An answer per environment. Its spaces are those of one, as in Gymnasium's own batches.
 
         Raises:
-            KinetixError: One environment has no such method here: it plays with all others.
+            KinetixError: The method exists on single environments only: here all play together.
         """
         if name in ("reset", "step"):
             raise KinetixError(f"call: {name!r} plays the whole batch; call env.{name}(…)")
@@ -271,7 +271,7 @@ class KinetixVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
             values: One for all; or a list or tuple of one per environment, all equal.
 
         Raises:
-            KinetixError: There are differing values, or values of another number.
+            KinetixError: The values differ, or are of another number.
         """
         if isinstance(values, list | tuple):
             first, *others = values or [None]
@@ -297,7 +297,7 @@ class KinetixVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
         return truths.astype(bool)
 
     def _seeded(self, seed: Any, mask: np.ndarray | None) -> Draws:
-        """The draws, those of a mask or all begun anew with seeds where there are any."""
+        """Return the random numbers; with seeds, those of a mask or all restart."""
         seeds = self._seeds(seed)
         if self._draws is None:
             self._draws = Draws.of(self.np_random, self.num_envs)
@@ -305,7 +305,7 @@ class KinetixVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
         return self._draws
 
     def _seeds(self, seed: Any) -> list[int | None]:
-        """A seed for each environment, or None."""
+        """Return a seed for each environment, or None."""
         if seed is None:
             return [None] * self.num_envs
         if isinstance(seed, Sequence | np.ndarray) and not isinstance(seed, str):
@@ -338,10 +338,10 @@ def _advance(
     how: tuple[KinetixEnv, AutoresetMode, int | None],
     played: tuple[Array, Any, Array, Bool[Array, " n"]],
 ) -> tuple[Any, Any, tuple[Array, ...], Any]:
-    """Step all; start anew where the mode says so.
+    """Step all; restart where the mode says so.
 
     Args:
-        how: The environment, when an episode starts anew, and after how many steps it ends.
+        how: The environment, when an episode restarts, and after how many steps it ends.
         played: Keys, states and actions, and which environments had ended.
     """
     env, mode, most_steps = how
@@ -375,12 +375,12 @@ def _advance(
 
 
 def _masks(info: Mapping[str, Any], mask: np.ndarray) -> dict[str, np.ndarray]:
-    """Say which environments the entries of an info are about, as Gymnasium does."""
+    """Mark the environments that the entries of an info are about, as Gymnasium does."""
     return {f"_{name}": mask.copy() for name in info}
 
 
 def _select(mask: Bool[Array, " n"], new: Any, old: Any) -> Any:
-    """Every leaf from the one tree where the mask is true, else from the other."""
+    """Return every leaf from the one tree where the mask is true, else from the other."""
 
     def pick(a: Array, b: Array) -> Array:
         return jnp.where(mask.reshape(mask.shape + (1,) * (jnp.ndim(a) - 1)), a, b)

@@ -16,9 +16,9 @@ class BodyFields(typing.TypedDict, total=False):
     angle: float
     """Turn around the centre of mass [rad]."""
     velocity: Point
-    """[m/s]."""
+    """Velocity at the start [m/s]."""
     angular_velocity: float
-    """[rad/s]."""
+    """Angular velocity at the start [rad/s]."""
     density: float
     """Mass per area [kg/m²]."""
     friction: float
@@ -82,7 +82,7 @@ def real(name: str, value: Any, low: float = -math.inf, high: float = math.inf) 
         high: Greatest one.
 
     Raises:
-        LevelError: It is none, not finite, or out of these bounds.
+        LevelError: The value is not a number, not finite, or out of bounds.
     """
     try:
         number = float(value)
@@ -104,7 +104,7 @@ def number_below(name: str, value: Any, count: int) -> int:
     """Return a value as a whole number from 0 to below a count; numpy's count as such.
 
     Raises:
-        LevelError: It is none: a truth value is not, nor is 1.0.
+        LevelError: The value is not such a number: a truth value is not, nor is 1.0.
     """
     whole = isinstance(value, int | np.integer) and not isinstance(value, bool)
     if not whole or not 0 <= value < count:
@@ -116,7 +116,7 @@ def size(name: str, value: Any) -> float:
     """Return a value as a number above 0.
 
     Raises:
-        LevelError: It is none.
+        LevelError: The value is not a number above 0.
     """
     number = real(name, value)
     if number <= 0:
@@ -128,7 +128,7 @@ def pair(name: str, values: Any) -> Point:
     """Return two values as numbers, x and y.
 
     Raises:
-        LevelError: They are not two, or no numbers.
+        LevelError: `values` are not two numbers.
     """
     try:
         x, y = values

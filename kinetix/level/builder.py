@@ -77,7 +77,7 @@ class LevelBuilder:
             level: Such as `kinetix.load_level("s/first_flight")`.
 
         Raises:
-            LevelError: It is no level.
+            LevelError: `level` is not a level.
         """
         if not isinstance(level, Level):
             raise LevelError(f"level: expected a kinetix.Level, got {type(level).__name__}")
@@ -93,7 +93,7 @@ class LevelBuilder:
         self._used = level.next_id - 1
 
     def __repr__(self) -> str:
-        """The name and how much there is."""
+        """Return the name and how much there is."""
         return (
             f"LevelBuilder({self._begun.name!r}: {len(self._bodies)} bodies, "
             f"{len(self._joints)} joints, {len(self._thrusters)} thrusters)"
@@ -189,7 +189,7 @@ class LevelBuilder:
     ) -> int:
         """Join two bodies at a point so that they can turn against each other.
 
-        Bodies that hang together by joints, also through fixed ones, do not collide.
+        Bodies connected by joints, also through fixed ones, do not collide.
 
         Args:
             a: First body.

@@ -13,7 +13,7 @@ from kinetix.level.model import Level, Record, round_real
 
 FORMAT: Final = "kinetix-level"
 VERSION: Final = 2
-"""The newest version of the format. Each level is written in the oldest one that can say it."""
+"""The newest version of the format. Each level is written in the oldest one that can hold it."""
 
 _INDENT: Final = "  "
 _ON_ONE_LINE: Final = frozenset(
@@ -32,7 +32,7 @@ def real_text(value: float) -> str:
 
 
 def record_tree(record: Record) -> dict[str, Any]:
-    """A part of the model as dictionaries and lists, in the order of the format's tables."""
+    """Return a part of the model as dictionaries and lists, in the order of the format's tables."""
     tree: dict[str, Any] = {}
     if record.__struct_config__.tag is not None:
         tree[str(record.__struct_config__.tag_field)] = record.__struct_config__.tag
@@ -45,12 +45,12 @@ def record_tree(record: Record) -> dict[str, Any]:
 
 
 def version_of(level: Level) -> int:
-    """Return the oldest version of the format that can say a level: names came with version 2."""
+    """Return the oldest version of the format that can hold a level: names came with version 2."""
     return 2 if any(entity.name is not None for entity in level.entities()) else 1
 
 
 def level_tree(level: Level) -> dict[str, Any]:
-    """A level as it stands in a file, format and version included."""
+    """Return a level as it stands in a file, format and version included."""
     return {"format": FORMAT, "version": version_of(level)} | record_tree(level)
 
 
@@ -78,7 +78,7 @@ def _value_tree(value: Any) -> Any:
 
 
 def _optional_keys(cls: type[Record]) -> frozenset[str]:
-    """The keys that are left out where the value is None."""
+    """Return the keys that are left out where the value is None."""
     if cls not in _OPTIONAL:
         fields = msgspec.inspect.type_info(cls).fields  # pyright: ignore[reportAttributeAccessIssue]
         _OPTIONAL[cls] = frozenset(
@@ -93,7 +93,7 @@ _OPTIONAL: dict[type[Record], frozenset[str]] = {}
 
 
 def tree_text(tree: Any) -> str:
-    """A tree in canonical layout, with one newline at the end.
+    """Return a tree in canonical layout, with one newline at the end.
 
     One key a line, two spaces of indent; on one line stay arrays of numbers, strings or pairs,
     each run of a solution, and the small objects in `_ON_ONE_LINE`.

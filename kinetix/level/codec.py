@@ -1,4 +1,4 @@
-"""Reading and writing level files: our format and kinetix-env's, told apart by content. No JAX."""
+"""Read and write level files: our format and kinetix-env's, by content. No JAX."""
 
 import contextlib
 import dataclasses
@@ -46,7 +46,7 @@ class LoadedLevel:
     format: LevelFormat
     """The format of the file."""
     mends: tuple[Fault, ...] = ()
-    """Differences from the file, because a document cannot say what it says."""
+    """Differences from the file that a document cannot represent."""
     lost: tuple[str, ...] = ()
     """Parts of the file that the level does not carry, one sentence each."""
     source: KinetixEnvDocument | None = None
@@ -66,14 +66,14 @@ class LoadedLevel:
 
 
 def resolve_path(name: str | Path) -> Path:
-    """The file that a path or the name of a bundled level means.
+    """Return the file that a path or the name of a bundled level means.
 
     A path that exists is taken as it is, any other relative name is looked for among the bundled
     levels (`s/name`); `.json` may be left out, and where no file has the suffix `.permuteN` in its
     name, it is ignored.
 
     Raises:
-        LevelError: There is no such file.
+        LevelError: The file does not exist.
     """
     if isinstance(name, Level):
         raise LevelError(f"{name!r:.60}: this is a level already, no file")
@@ -98,7 +98,7 @@ def resolve_path(name: str | Path) -> Path:
 
 
 def load_document(path: str | Path) -> LoadedLevel:
-    """Read a level file of either format, with what it says beyond the level.
+    """Read a level file of either format, with its data beyond the level.
 
     Args:
         path: A file, or the name of a bundled level such as `s/name`.
@@ -112,9 +112,9 @@ def load_document(path: str | Path) -> LoadedLevel:
 
 
 def load_level(path: str | Path) -> Level:
-    """Read a level file, ours or kinetix-env's, told apart by content.
+    """Read a level file, ours or kinetix-env's, distinguished by content.
 
-    A warning says what had to be mended.
+    A warning lists what had to be repaired.
 
     Args:
         path: A file, or the name of a bundled level such as `s/name`.
@@ -170,7 +170,7 @@ def format_of(tree: Any) -> str | None:
 
 
 def loads(text: str | bytes, file: str = "text") -> Level:
-    """A level from the text of either format.
+    """Return a level from the text of either format.
 
     Args:
         text: JSON text, or its bytes in UTF-8.
@@ -183,7 +183,7 @@ def loads(text: str | bytes, file: str = "text") -> Level:
 
 
 def level_from_tree(tree: dict[str, Any], file: str, path: str = "$") -> Level:
-    """A level from the parsed JSON of our format.
+    """Return a level from the parsed JSON of our format.
 
     Args:
         tree: The whole object, `format` and `version` included.
@@ -191,7 +191,7 @@ def level_from_tree(tree: dict[str, Any], file: str, path: str = "$") -> Level:
         path: Where the object stands in the file.
 
     Raises:
-        LevelError: It is bad; one sentence with file and JSON path.
+        LevelError: The JSON is not a valid level; one sentence with file and JSON path.
     """
     faults = FaultCollector()
     level = None
@@ -218,7 +218,7 @@ def _checked_level(tree: dict[str, Any], path: str, faults: FaultCollector) -> L
             f"program reads; a newer release may open it",
         )
         return None
-    # A tree made anew would not tell that a key stood twice, which `check_tree` refuses.
+    # A parsed tree hides that a key stood twice, which `check_tree` refuses.
     body = tree if isinstance(tree, DuplicateKeys) else migrate(tree, version, VERSION)
     body.pop("format", None)
     body.pop("version", None)
@@ -243,7 +243,7 @@ def dumps(
     format: LevelFormat = FORMAT,
     source: KinetixEnvDocument | None = None,
 ) -> str:
-    """The text of a level file.
+    """Return the text of a level file.
 
     Args:
         level: The document.
@@ -301,11 +301,11 @@ def save_level(
         source: As in `dumps`.
 
     Returns:
-        The names of the fields that the format cannot say; empty for our own format.
+        The names of the fields that the format cannot hold; empty for our own format.
 
     Raises:
-        LevelError: It is no level, or one that could not be read again; the file cannot be written,
-            or the format cannot hold it. The file is as it was then.
+        LevelError: `level` is not a level, or one that could not be read again; the file cannot be
+            written, or the format cannot hold the level. The file is unchanged then.
     """
     if isinstance(path, Level):
         raise LevelError("the order is save_level(level, path)")
@@ -330,7 +330,7 @@ def check_level(level: Level, name: str) -> None:
         name: Begins the sentence.
 
     Raises:
-        LevelError: It has a fault; one sentence with the JSON path of what is wrong.
+        LevelError: The level has a fault; one sentence with the JSON path of what is wrong.
     """
     level_from_tree(_sayable_tree(level, name), name)
 
@@ -342,7 +342,7 @@ def check_computable(level: Level) -> None:
         level: A level that was made in Python, where anything can be.
 
     Raises:
-        LevelError: It has a fault; one sentence with the JSON path of what is wrong.
+        LevelError: The level has a fault; one sentence with the JSON path of what is wrong.
     """
     name = f"level {level.name!r}"
     tree = _sayable_tree(level, name)
@@ -356,7 +356,7 @@ def check_computable(level: Level) -> None:
 
 
 def _sayable_tree(level: Level, name: str) -> dict[str, Any]:
-    """A level as JSON, where each of its values has one."""
+    """Return a level as JSON, where each of its values has one."""
     for kind in ("bodies", "joints", "thrusters"):
         parts = getattr(level, kind)
         if not (isinstance(parts, tuple) and all(isinstance(part, Record) for part in parts)):

@@ -38,10 +38,10 @@ MAX_VERTICES: Final = 4
 """Rows of the vertex array."""
 
 NO_MOTOR: Final = Motor(on=False)
-"""Of a joint that says nothing of one."""
+"""Default of a joint without one."""
 
 NO_LIMITS: Final = Limits(on=False)
-"""Of a joint that says nothing of them."""
+"""Defaults of a joint without them."""
 
 
 @pytree
@@ -149,7 +149,7 @@ def empty_scene(spec: SceneSpec, solver: AbstractSolver | None) -> Scene:
 
 
 def finished(scene: Scene) -> Scene:
-    """The scene with what is derived from all of it: the collision filter."""
+    """Return the scene with what is derived from all of it: the collision filter."""
     joints = scene.world.joints
     collides = collision_matrix(
         len(scene.world.bodies.active),
@@ -170,7 +170,7 @@ def compile_level(level: Level, *, spec: SceneSpec, solver: AbstractSolver | Non
 
     Raises:
         LevelError: The level does not fit the capacity, or holds what the reader of files would
-            refuse and arrays cannot say (more than 4 vertices, a reference to a missing body).
+            refuse and arrays cannot hold (more than 4 vertices, a reference to a missing body).
     """
     needed = needed_capacity(level)
     if not spec.capacity.covers(needed):

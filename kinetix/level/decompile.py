@@ -68,7 +68,7 @@ def level_from_scene(
         tags: Tags of the new level.
 
     Raises:
-        LevelError: The arrays hold what no level can say.
+        LevelError: The arrays hold something that no level can represent.
     """
     bare = dataclasses.replace(scene, state=dataclasses.replace(scene.state, cache=()))
     scene = jax.tree.map(np.asarray, bare)

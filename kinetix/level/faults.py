@@ -1,4 +1,4 @@
-"""Faults of a file: codes with JSON paths, collected and told in one sentence."""
+"""Faults of a file: codes with JSON paths, collected and reported in one sentence."""
 
 import dataclasses
 import json
@@ -38,7 +38,7 @@ class FaultCollector:
     """Gathers faults while a tree is checked."""
 
     def __init__(self, *, beyond_files: bool = False) -> None:
-        """Begin without any.
+        """Begin without faults.
 
         Args:
             beyond_files: Whether reals may be larger than a file's, as what is made in Python may.
@@ -87,7 +87,7 @@ def refuse_all(wrong: Sequence[str], *, of: int, what: str) -> None:
         what: What `wrong` has in common: `levels have errors`.
 
     Raises:
-        LevelError: There are.
+        LevelError: `wrong` is not empty.
     """
     if len(wrong) == 1:
         raise LevelError(wrong[0])
@@ -110,7 +110,7 @@ def found(value: Any) -> str:
 
 
 def bounds_text(low: float | None, high: float | None) -> str:
-    """Limits in the form `0 ≤ x ≤ 10`."""
+    """Return limits in the form `0 ≤ x ≤ 10`."""
     left = "" if low is None else f"{low:g} ≤ "
     right = "" if high is None else f" ≤ {high:g}"
     return f"{left}x{right}"

@@ -20,7 +20,7 @@ from kinetix.level.sizes import (
 
 
 def pushing_pairs(world: World) -> tuple[tuple[int, int], ...]:
-    """The pairs of bodies that can ever push each other, as sorted global indices.
+    """Return the pairs of bodies that can ever push each other, as sorted global indices.
 
     Left out are exactly those with an inactive body, two fixed bodies, two bodies of one jointed
     component, or two bodies whose collision modes exclude each other; in candidate order.
@@ -43,7 +43,7 @@ def pushing_pairs(world: World) -> tuple[tuple[int, int], ...]:
 
 
 def capacity_of_world(world: World) -> Capacity:
-    """The capacity that a compiled world has, or each of a batch."""
+    """Return the capacity that a compiled world has, or each of a batch."""
     return Capacity(
         polygons=world.bodies.vertex_count.shape[-1],
         circles=world.bodies.radius.shape[-1],
@@ -98,7 +98,7 @@ def _world_of(subject: "Level | Scene | World", capacity: Capacity | None) -> Wo
 
 
 def features_union(features: Iterable[Features], capacity: Capacity) -> Features:
-    """The least features that cover several scenes of one capacity."""
+    """Return the least features that cover several scenes of one capacity."""
     every = list(features)
     listed = [each.pairs for each in every]
     pairs = None

@@ -58,29 +58,29 @@ STANDARD_ARENA: Final[dict[ArenaName, Geometry]] = {
 
 
 def reverse_winding(vertices: Points) -> tuple[Point, ...]:
-    """The same corners in the other turning sense: keep vertex 0, reverse the rest."""
+    """Return the same corners in the other turning sense: keep vertex 0, reverse the rest."""
     return (vertices[0], *reversed(vertices[1:]))
 
 
 def cross(a: Point, b: Point) -> float:
-    """Third component of the cross product."""
+    """Return the third component of the cross product."""
     return a[0] * b[1] - a[1] * b[0]
 
 
 def rotate(point: Point, angle: float) -> Point:
-    """A vector turned counter-clockwise by `angle` [rad]."""
+    """Return a vector turned counter-clockwise by `angle` [rad]."""
     c, s = math.cos(angle), math.sin(angle)
     return c * point[0] - s * point[1], s * point[0] + c * point[1]
 
 
 def to_world(body: Body, point: Point) -> Point:
-    """A point of the body's frame in world coordinates [m]."""
+    """Return a point of the body's frame in world coordinates [m]."""
     x, y = rotate(point, body.angle)
     return body.position[0] + x, body.position[1] + y
 
 
 def to_local(body: Body, point: Point) -> Point:
-    """A world point in the body's frame [m]."""
+    """Return a world point in the body's frame [m]."""
     offset = (point[0] - body.position[0], point[1] - body.position[1])
     return rotate(offset, -body.angle)
 
@@ -109,7 +109,7 @@ def arena_bodies(arena: Arena) -> tuple[Body, Body, Body, Body]:
 
 
 def referenced_body(level: Level, reference: BodyReference) -> Body:
-    """The body that a joint's `a` or `b` means, an arena body included.
+    """Return the body that a joint's `a` or `b` means, an arena body included.
 
     Raises:
         KeyError: No body has this id.
@@ -120,7 +120,7 @@ def referenced_body(level: Level, reference: BodyReference) -> Body:
 
 
 def relative_angle(level: Level, joint: Joint) -> float:
-    """The angle of a joint's body b against its body a, as they are drawn [rad].
+    """Return the angle of a joint's body b against its body a, as they are drawn [rad].
 
     Raises:
         KeyError: A body is missing.
@@ -148,7 +148,7 @@ def signed_area(vertices: Points) -> float:
 
 
 def vertex_mean(vertices: Points) -> Point:
-    """Arithmetic mean of the corners."""
+    """Return the arithmetic mean of the corners."""
     n = len(vertices)
     return sum(x for x, _ in vertices) / n, sum(y for _, y in vertices) / n
 
@@ -170,14 +170,14 @@ def area_centroid(vertices: Points) -> Point:
 
 
 def centre_of_mass(shape: Shape, inertia_model: InertiaModel) -> Point:
-    """Centre of mass in the frame of the shape, by the level's inertia model."""
+    """Return the centre of mass in the frame of the shape, by the level's inertia model."""
     if isinstance(shape, Circle):
         return 0.0, 0.0
     return centre_of_corners(shape.vertices, inertia_model)
 
 
 def centre_of_corners(corners: Sequence[Point], inertia_model: InertiaModel) -> Point:
-    """Centre of mass of a polygon, by the level's inertia model."""
+    """Return the centre of mass of a polygon, by the level's inertia model."""
     return (area_centroid if inertia_model == "exact" else vertex_mean)(corners)
 
 
@@ -193,7 +193,7 @@ def _second_moment(edges: Sequence[tuple[Point, Point]]) -> float:
 
 
 def shape_mass(shape: Shape, density: float, inertia_model: InertiaModel) -> tuple[float, float]:
-    """Mass [kg] and moment of inertia [kg m²] about the origin of the shape's frame.
+    """Return the mass [kg] and moment of inertia [kg m²] about the origin of the shape's frame.
 
     The model `kinetix` follows the published levels: half the true inertia of a disc, and for
     triangles a sum over the corner pairs (0,1), (1,2), (2,3) of the clockwise list padded with the
@@ -249,7 +249,7 @@ def same_geometry(a: Geometry, b: Geometry) -> bool:
 
 
 def recentred(body: Body, inertia_model: InertiaModel) -> Body:
-    """The same body in the same place, with the origin of its frame at its centre of mass.
+    """Return the same body in the same place, with the origin of its frame at its centre of mass.
 
     Anchors and thrusters of the body must be shifted by the caller.
     """
@@ -288,7 +288,7 @@ def _edges(vertices: Points) -> list[tuple[Point, Point]]:
 
 
 def world_vertices(body: Body) -> tuple[Point, ...]:
-    """The corners of a polygon body in world coordinates [m]; none for a circle."""
+    """Return the corners of a polygon body in world coordinates [m]; none for a circle."""
     if isinstance(body.shape, Circle):
         return ()
     c, s = math.cos(body.angle), math.sin(body.angle)
@@ -313,14 +313,14 @@ def outside_arena(box: tuple[float, float, float, float]) -> bool:
 
 
 def extent(shape: Shape) -> float:
-    """Largest distance between two points of a shape [m]."""
+    """Return the largest distance between two points of a shape [m]."""
     if isinstance(shape, Circle):
         return 2 * shape.radius
     return max(math.dist(p, q) for p in shape.vertices for q in shape.vertices)
 
 
 def segment_distance(point: Point, start: Point, end: Point) -> float:
-    """Distance of a point from a segment [m]."""
+    """Return the distance of a point from a segment [m]."""
     dx, dy = end[0] - start[0], end[1] - start[1]
     squared = dx * dx + dy * dy
     along = ((point[0] - start[0]) * dx + (point[1] - start[1]) * dy) / squared if squared else 0.0
@@ -337,7 +337,7 @@ def circle_about_middle(shape: Shape) -> tuple[Point, float]:
 
 
 def signed_distance(body: Body, point: Point) -> float:
-    """Distance of a world point from a body's outline [m], negative inside."""
+    """Return the distance of a world point from a body's outline [m], negative inside."""
     if isinstance(body.shape, Circle):
         return math.dist(point, body.position) - body.shape.radius
     edges = _edges(body.shape.vertices)
@@ -396,7 +396,7 @@ def _least_distance(a: Points, b: Points) -> float:
 
 
 def _least_overlap(a: Points, b: Points) -> float:
-    """Least overlap of two counter-clockwise polygons along the outward normals of `a`."""
+    """Return the least overlap of two counter-clockwise polygons along the normals of `a`."""
     least = math.inf
     for (px, py), (qx, qy) in _edges(a):
         length = math.hypot(qx - px, qy - py) or 1.0

@@ -1,6 +1,6 @@
 """The formats as JSON Schema (draft 2020-12), for editors and other programs, from the model.
 
-A schema says what one value may be. References between ids, convexity and centres of mass are the
+A schema restricts single values. References between ids, convexity and centres of mass are the
 reader's to check (`kinetix validate`).
 """
 
@@ -19,12 +19,12 @@ _DRAFT: Final = "https://json-schema.org/draft/2020-12/schema"
 
 
 def level_schema() -> dict[str, Any]:
-    """Schema of a level file."""
+    """Return the schema of a level file."""
     return _schema(Level, FORMAT, VERSION)
 
 
 def level_set_schema() -> dict[str, Any]:
-    """Schema of a level set; each of its levels stands in it or is named by its path."""
+    """Return the schema of a level set; each of its levels stands in it or is named by its path."""
     schema = _schema(LevelSet, LEVELSET_FORMAT, SET_VERSION)
     level = _schema(Level, FORMAT, VERSION)
     entry = schema["$defs"]["SetEntry"]

@@ -14,10 +14,10 @@ __all__ = ["DuplicateKeys", "decode_text", "parse_json", "read_text"]
 
 
 def read_text(path: Path, kind: Kind = "level") -> str:
-    """The text of a file.
+    """Return the text of a file.
 
     Raises:
-        LevelError: It cannot be read, is too large, or is not UTF-8.
+        LevelError: The file cannot be read, is too large, or is not UTF-8.
     """
     try:
         return regular.read_text(path, kind)
@@ -26,10 +26,10 @@ def read_text(path: Path, kind: Kind = "level") -> str:
 
 
 def decode_text(data: bytes, file: str) -> str:
-    """Bytes as UTF-8 text.
+    """Decode bytes as UTF-8 text.
 
     Raises:
-        LevelError: They are not UTF-8.
+        LevelError: The bytes are not UTF-8.
     """
     try:
         return regular.decode_text(data, file)

@@ -1,4 +1,4 @@
-"""kinetix-env's level JSON (kinetix-env 3): what a file says, slot by slot.
+"""kinetix-env's level JSON (kinetix-env 3): the data of a file, slot by slot.
 
 With the modules `kinetix_env_*` beside it, the only code that knows this format.
 """
@@ -33,7 +33,7 @@ from kinetix.level.model import (
 )
 
 STANDARD_GRAVITY: Final = (0.0, round_real(-9.81))
-"""Gravity that kinetix-env's reader always uses, whatever a file says [m/s²]."""
+"""Gravity that kinetix-env's reader always uses, whatever a file has [m/s²]."""
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True, eq=False)
@@ -53,7 +53,7 @@ class KinetixEnvDocument:
     circle_polygon_contacts: tuple[KinetixContact, ...]
     circle_contacts: tuple[KinetixContact, ...]
     gravity: tuple[float, float]
-    """As the file says; the standard one where it says nothing [m/s²]."""
+    """Gravity of the file; the standard one if it has none [m/s²]."""
     parameters: dict[str, Any]
     """The block `env_params`."""
     static: dict[str, Any]

@@ -27,15 +27,15 @@ def compile_kinetix_env(
 ) -> Scene:
     """A file of kinetix-env as the engine's arrays: slots, gaps, leftovers and masses as stored.
 
-    Slots beyond the file's own hold what `empty_scene` says; indices of circles move with them.
+    Slots beyond the file's own are those of `empty_scene`; indices of circles move with them.
 
     Args:
         document: The file.
         solver: Provides the empty warm-start cache; stored impulses are not carried over. Which
             contacts are active is, unless the capacity is larger than the file's own.
         spec: Capacity to compile to; by default the file's own.
-        gravity: `fixed`: (0, −9.81) whatever the file says, as kinetix-env's reader does.
-        time_limit: `fixed`: 256 steps whatever the file says, as kinetix-env's reader does.
+        gravity: `fixed`: (0, −9.81) whatever the file has, as kinetix-env's reader does.
+        time_limit: `fixed`: 256 steps whatever the file has, as kinetix-env's reader does.
 
     Raises:
         LevelError: The file does not fit the capacity.

@@ -1,4 +1,4 @@
-"""From our documents to kinetix-env's level JSON; README.md says what gets lost."""
+"""From our documents to kinetix-env's level JSON; README.md lists what gets lost."""
 
 import json
 from collections.abc import Sequence
@@ -48,7 +48,7 @@ from kinetix.level.slots import body_slots
 
 
 def world_anchor(body: KinetixBody, local: tuple[float, float]) -> tuple[float, float]:
-    """A point of a body's frame in world coordinates [m], rounded to binary32."""
+    """Return a point of a body's frame in world coordinates [m], rounded to binary32."""
     x, y = rotate(local, body.rotation)
     return round_real(body.position[0] + x), round_real(body.position[1] + y)
 
@@ -66,12 +66,12 @@ def joint_position(a: JointEnd, b: JointEnd) -> tuple[float, float]:
 
 
 def dump_tree(tree: Any) -> str:
-    """A tree as JSON text the way kinetix-env writes it: one line, no newline at the end."""
+    """Return a tree as JSON text the way kinetix-env writes it: one line, no newline at the end."""
     return json.dumps(tree)
 
 
 def from_level(level: Level, *, stem: str | None = None) -> tuple[str, tuple[str, ...]]:
-    """kinetix-env's JSON text for a level, and what that text cannot say.
+    """Return kinetix-env's JSON text for a level, and the fields that it cannot hold.
 
     Args:
         level: The document.
@@ -91,7 +91,7 @@ def from_level(level: Level, *, stem: str | None = None) -> tuple[str, tuple[str
 
 
 def _keyed(values: Sequence[Any]) -> dict[str, Any]:
-    """An array in kinetix-env's form: an object with decimal keys."""
+    """Return an array in kinetix-env's form: an object with decimal keys."""
     return {
         str(k): _keyed(value) if isinstance(value, (tuple, list)) else value
         for k, value in enumerate(values)

@@ -1,4 +1,4 @@
-"""From kinetix-env's level JSON to our documents; README.md says what is not carried."""
+"""From kinetix-env's level JSON to our documents; README.md lists what is not carried."""
 
 import contextlib
 import math
@@ -65,7 +65,7 @@ MENDED: Final = "W210"
 def to_level(
     document: KinetixEnvDocument, *, name: str
 ) -> tuple[Level, tuple[Fault, ...], tuple[str, ...]]:
-    """A document of ours from a file of kinetix-env.
+    """Return a document of ours from a file of kinetix-env.
 
     Args:
         document: What was read.
@@ -76,7 +76,7 @@ def to_level(
         not carry.
 
     Raises:
-        LevelError: The file holds something that our format cannot say.
+        LevelError: The file holds something that our format cannot represent.
     """
     faults = FaultCollector()
     level, places = None, peer_places(document)
@@ -250,7 +250,7 @@ def _import_arena(document: KinetixEnvDocument, faults: FaultCollector) -> Arena
 
 
 def _import_warnings(document: KinetixEnvDocument) -> list[str]:
-    """One sentence for each kind of content that a document of ours does not carry."""
+    """Return one sentence for each kind of content that a document of ours does not carry."""
     movable = document.polygons[ARENA_BODIES:]
     hinges = [joint for joint in document.joints if joint.active]
     contacts = (

@@ -1,4 +1,4 @@
-"""Mends of kinetix-env's levels: what its reader takes and a document of ours cannot say."""
+"""Repairs for kinetix-env levels that our format cannot represent as they are."""
 
 import math
 

@@ -39,14 +39,14 @@ _WHOLE: Final = {
 
 
 def body_place(document: KinetixEnvDocument, index: int) -> str:
-    """The JSON path of a body by its slot, polygons first."""
+    """Return the JSON path of a body by its slot, polygons first."""
     polygons = len(document.polygons)
     kind, slot = ("polygon", index) if index < polygons else ("circle", index - polygons)
     return f"$.env_state.{kind}[{slot}]"
 
 
 def peer_places(document: KinetixEnvDocument) -> dict[str, str]:
-    """The JSON paths of a level's parts, and those of the rows that they came from."""
+    """Return the JSON paths of a level's parts, and those of the rows that they came from."""
     bodies = document.bodies
     rows = {
         "bodies": [
@@ -70,7 +70,7 @@ def peer_places(document: KinetixEnvDocument) -> dict[str, str]:
 
 
 def peer_path(path: str, places: dict[str, str]) -> str:
-    """The place in kinetix-env's file that a path in the imported level came from.
+    """Return the place in kinetix-env's file that a path in the imported level came from.
 
     Args:
         path: JSON path in the level.

@@ -112,7 +112,7 @@ ENV_PARAMS: Final[dict[str, Any]] = {
 
 
 def static_env_params(capacity: Capacity) -> dict[str, Any]:
-    """The block `static_env_params` of a published level with this capacity."""
+    """Return the block `static_env_params` of a published level with this capacity."""
     return {
         "num_polygons": capacity.polygons,
         "num_circles": capacity.circles,
@@ -153,7 +153,7 @@ Reader = Callable[[Any, str, FaultCollector], Any]
 
 
 def read_real(value: Any, path: str, faults: FaultCollector) -> float:
-    """A finite number."""
+    """Read a finite number."""
     if type(value) not in (float, int):
         faults.expect("E006", path, "a number", value)
         return 0.0
@@ -164,7 +164,7 @@ def read_real(value: Any, path: str, faults: FaultCollector) -> float:
 
 
 def read_integer(value: Any, path: str, faults: FaultCollector) -> int:
-    """A whole number; reals such as 1.0 count."""
+    """Return a whole number; reals such as 1.0 count."""
     if type(value) is float and value.is_integer() and abs(value) < 2**53:
         return int(value)
     if type(value) is not int:
@@ -206,7 +206,7 @@ def read_array(value: Any, path: str, faults: FaultCollector) -> list[Any] | Non
 
 
 def read_point(value: Any, path: str, faults: FaultCollector) -> tuple[float, float]:
-    """Two reals."""
+    """Read two reals."""
     if type(value) is dict and len(value) == 2:
         x, y = value.get("0"), value.get("1")
         if type(x) is float and type(y) is float and abs(x) < 1e30 and abs(y) < 1e30:
@@ -221,7 +221,7 @@ def read_point(value: Any, path: str, faults: FaultCollector) -> tuple[float, fl
 
 
 def read_vertices(value: Any, path: str, faults: FaultCollector) -> tuple[tuple[float, float], ...]:
-    """Four corners."""
+    """Read four corners."""
     items = read_array(value, path, faults)
     if items is None:
         return ((0.0, 0.0),) * VERTEX_ROWS
@@ -241,7 +241,7 @@ def read_size(value: Any, path: str, faults: FaultCollector) -> int:
 
 
 def read_steps(value: Any, path: str, faults: FaultCollector) -> int:
-    """An episode length."""
+    """Read the length of an episode."""
     number = read_integer(value, path, faults)
     if not 1 <= number <= 100_000:
         faults.expect("E007", path, "1 ≤ x ≤ 100000", value)
@@ -275,7 +275,7 @@ _RECORDS: dict[type[Any], tuple[dict[str, Reader], frozenset[str]]] = {
         (KinetixContact, ()),
     )
 }
-# Parameters are reals there wherever kinetix-env computes with them, even where a file says 15.
+# Parameters are reals there wherever kinetix-env computes with them, even if a file has 15.
 _PARAMETER_READERS: Final = {
     **_readers(dict.fromkeys(ENV_PARAMS, 0.0)),
     "num_shape_roles": read_integer,
@@ -290,7 +290,7 @@ def read_keys(
     readers: dict[str, Reader],
     optional: frozenset[str] = frozenset(),
 ) -> dict[str, Any]:
-    """The values of an object with exactly these keys, each read by its own reader."""
+    """Return the values of an object with exactly these keys, each read by its own reader."""
     if not isinstance(value, dict):
         faults.expect("E006", path, "an object", value)
         return {}
@@ -309,7 +309,7 @@ def read_keys(
 
 
 def read_record(value: Any, cls: type[Any], path: str, faults: FaultCollector) -> Any:
-    """One row of a collection."""
+    """Return one row of a collection."""
     readers, optional = _RECORDS[cls]
     return cls(**read_keys(value, path, faults, readers, optional))
 
@@ -317,7 +317,7 @@ def read_record(value: Any, cls: type[Any], path: str, faults: FaultCollector) -
 def read_rows(
     value: Any, cls: type[Any], count: int, path: str, faults: FaultCollector
 ) -> tuple[Any, ...]:
-    """The first `count` rows of a collection; more are ignored, fewer are a fault."""
+    """Return the first `count` rows of a collection; more are ignored, fewer are a fault."""
     rows = read_array(value, path, faults)
     if rows is None:
         return ()
@@ -352,7 +352,7 @@ def read_contacts(
 
 
 def read_parameters(value: Any, path: str, faults: FaultCollector) -> dict[str, Any]:
-    """The block `env_params`; Kinetix.js may say `{"type": "size" | "full", …}` instead."""
+    """Read `env_params`; Kinetix.js may have `{"type": "size" | "full", …}` instead."""
     if _named_size(value, path, faults):
         return dict(ENV_PARAMS)
     block = value["params"] if _is_wrapped(value) else value
@@ -363,7 +363,7 @@ def read_parameters(value: Any, path: str, faults: FaultCollector) -> dict[str, 
 
 
 def read_static(value: Any, path: str, faults: FaultCollector) -> dict[str, Any]:
-    """The block `static_env_params`; Kinetix.js may say `{"type": "size" | "full", …}` instead."""
+    """Read `static_env_params`; Kinetix.js may have `{"type": "size" | "full", …}` instead."""
     size = _named_size(value, path, faults)
     if size is not None:
         return static_env_params(SIZES[size])

@@ -11,7 +11,7 @@ Tree = dict[str, Any]
 
 
 def _keep(tree: Tree) -> Tree:
-    """Return the tree as it is: the newer version only has more to say."""
+    """Return the tree as it is: the newer version only has more fields."""
     return tree
 
 

@@ -5,7 +5,7 @@ Every real number is an IEEE-754 binary32 value. The one place that rounds is
 lists into tuples and minus zero into zero, so that equal documents are equal byte for byte.
 
 Limits stand in the annotations (`msgspec.Meta`) and hold when a file is *read*; code may build a
-level that breaks them (`kinetix.level.validate` then says so), because an edit must never crash.
+level that breaks them (`kinetix.level.validate` then reports it), because an edit must never crash.
 The same annotations carry what an inspector needs: unit, usual range (`slider`) and `step`.
 """
 
@@ -62,7 +62,7 @@ MAX_TAG: Final = 40
 MAX_TITLE: Final = 120
 """Most characters of the name of a level."""
 MAX_DESCRIPTION: Final = 4000
-"""Most characters of what a level says of itself."""
+"""Most characters of the description of a level."""
 MAX_NAME: Final = 60
 """Most characters of the name of a body, joint or thruster."""
 MAX_STEPS: Final = 100_000
@@ -99,7 +99,7 @@ def _real(
     slider: tuple[float, float] | None = None,
     step: float = 0.01,
 ) -> Meta:
-    """Metadata of a real: what it is, its unit, what a file may say, the usual range and step."""
+    """Metadata of a real: meaning, unit, range in a file, usual range and step."""
     low, high = limits or (None, None)
     if low is not None and high is not None:
         # A bound such as 0.02 has no binary32 value; the nearest one must count as inside.
@@ -210,7 +210,7 @@ class Record(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
             msgspec.structs.force_setattr(self, name, normal)
 
     def replace(self, **changes: Any) -> Self:
-        """A copy with some fields changed."""
+        """Return a copy with some fields changed."""
         return msgspec.structs.replace(self, **changes)
 
 
@@ -444,7 +444,7 @@ class Solution(Record, frozen=True, kw_only=True):
 
 
 class SizeHint(Record, frozen=True, kw_only=True):
-    """A capacity that is none of the named ones; `polygons` counts the four arena bodies."""
+    """A capacity without a name; `polygons` counts the four arena bodies."""
 
     polygons: Annotated[int, Meta(ge=4, le=MAX_ENTITIES)]
     circles: Annotated[int, Meta(ge=0, le=MAX_ENTITIES)]
@@ -518,7 +518,7 @@ class Level(Record, frozen=True, kw_only=True):
         )
 
     def entity(self, entity_id: int) -> Entity:
-        """The body, joint or thruster with this id.
+        """Return the body, joint or thruster with this id.
 
         Raises:
             KeyError: No entity has it.
@@ -529,7 +529,7 @@ class Level(Record, frozen=True, kw_only=True):
         raise KeyError(entity_id)
 
     def body(self, body_id: int) -> Body:
-        """The body with this id.
+        """Return the body with this id.
 
         Raises:
             KeyError: No body has it.

@@ -1,4 +1,4 @@
-"""What the arrays of a world can hold and no level can say."""
+"""Arrays of a world that no level can represent."""
 
 from typing import Any
 
@@ -11,13 +11,13 @@ from kinetix.level.model import ARENA_NAMES, COLLISIONS, ROLES
 
 
 def check_sayable(scene: Scene) -> None:
-    """Refuse a body that would be another one in a level.
+    """Raise if a body cannot be represented exactly in a level file.
 
     Args:
         scene: Numpy's arrays of one world.
 
     Raises:
-        LevelError: There is one; the sentence names it as `state.polygon` and `state.circle` do.
+        LevelError: A body cannot; the message names it as `state.polygon` and `state.circle` do.
     """
     bodies = scene.world.bodies
     polygons = len(bodies.vertex_count)

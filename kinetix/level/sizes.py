@@ -20,7 +20,7 @@ AUTOMATIC: Final[tuple[SizeName, ...]] = ("s", "m", "l")
 
 
 def needed_capacity(level: Level) -> Capacity:
-    """Exactly what the level's entities fill, the arena included."""
+    """Return exactly what the level's entities fill, the arena included."""
     polygons = sum(isinstance(body.shape, Polygon) for body in level.bodies)
     return Capacity(
         polygons=ARENA_BODIES + polygons,
@@ -31,7 +31,7 @@ def needed_capacity(level: Level) -> Capacity:
 
 
 def smallest_capacity(needed: Capacity) -> Capacity:
-    """The smallest of s, m and l that covers `needed`, otherwise `needed` itself."""
+    """Return the smallest of s, m and l that covers `needed`, otherwise `needed` itself."""
     return next((SIZES[name] for name in AUTOMATIC if SIZES[name].covers(needed)), needed)
 
 
@@ -62,17 +62,17 @@ def without_outgrown_size(level: Level) -> Level:
 
 
 def capacity_of(level: Level) -> Capacity:
-    """The capacity to compile the level to: its hint, else the smallest size that fits."""
+    """Return the capacity to compile the level to: its hint, else the smallest size that fits."""
     return hinted_capacity(level) or smallest_capacity(needed_capacity(level))
 
 
 def size_name(capacity: Capacity) -> SizeName | None:
-    """The name of a capacity, when it is a named one."""
+    """Return the name of a capacity, when it is a named one."""
     return next((name for name in get_args(SizeName) if SIZES[name] == capacity), None)
 
 
 def describe_capacity(capacity: Capacity) -> str:
-    """A capacity as commands write it: its name, or four numbers such as `12,4,6,2`."""
+    """Return a capacity as commands write it: its name, or four numbers such as `12,4,6,2`."""
     numbers = (capacity.polygons, capacity.circles, capacity.joints, capacity.thrusters)
     return size_name(capacity) or ",".join(map(str, numbers))
 
@@ -97,7 +97,7 @@ def shortages(needed: Capacity, capacity: Capacity) -> list[str]:
 
 
 def parse_capacity(text: str) -> Capacity:
-    """A capacity from a size's name or four numbers such as `12,4,6,2`.
+    """Return a capacity from a size's name or four numbers such as `12,4,6,2`.
 
     Raises:
         LevelError: The text is neither.
@@ -118,7 +118,7 @@ def parse_capacity(text: str) -> Capacity:
 
 
 def size_hint(capacity: Capacity) -> SizeHint:
-    """A capacity in the form that a level file can carry."""
+    """Return a capacity in the form that a level file can carry."""
     return SizeHint(
         polygons=capacity.polygons,
         circles=capacity.circles,

@@ -4,7 +4,7 @@ from kinetix.level.codec import level_hash
 from kinetix.level.model import Level
 
 _SHORT = 12
-"""Digits of a digest that are told."""
+"""Digits of a digest that are shown."""
 
 
 def facts_of(
@@ -16,7 +16,7 @@ def facts_of(
     draws: str = "",
     perturbed: bool = False,
 ) -> tuple[tuple[str, str], ...]:
-    """Return what to tell about an episode, in its order.
+    """Return the facts about an episode, in order.
 
     Args:
         level: Its level.

@@ -29,7 +29,7 @@ MOST_BYTES: Final = 600_000
 _ROW_BYTES: Final = 14
 """Of a moment without its poses: time, six controls, value, entropy."""
 _POSE_BYTES: Final = 8
-"""Of the pose of one body."""
+"""Size of the pose of one body."""
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -40,17 +40,17 @@ class Film:
     title: str
     """Name of the player or of the scene."""
     seconds: Float[np.ndarray, " k"]
-    """[s]"""
+    """Times of the moments [s]."""
     position: Float[np.ndarray, "k b 2"]
     """Of the bodies, as snapshots and runs have them [m]."""
     angle: Float[np.ndarray, "k b"]
-    """[rad]"""
+    """Angles of the bodies [rad]."""
     actions: Float[np.ndarray, "k 6"] | None = None
     """Controls in the step before each moment: −1 … 1 per motor, 0 … 1 per thruster."""
     value: Float[np.ndarray, " k"] | None = None
-    """Return that the agent expected; NaN where nothing is known."""
+    """Expected return of the agent; NaN where nothing is known."""
     entropy: Float[np.ndarray, " k"] | None = None
-    """Of its policy [nat]."""
+    """Entropy of its policy [nat]."""
     outcome: str = ""
     """See `kinetix.environment.outcome.Outcome`; empty where it has not ended."""
     facts: tuple[tuple[str, str], ...] = ()
@@ -94,7 +94,7 @@ def packed(film: Film) -> dict[str, Any]:
     """Return a film as JSON values, its arrays as base64 of small integers.
 
     Bodies that never move have one pose, the others one for each of the moments in `shown`; times,
-    controls and values are there for all of them.
+    controls and values are stored for every moment.
     """
     count = len(film.seconds)
     rows = _spread(count, MOST_BYTES // 2 // _ROW_BYTES)
@@ -126,7 +126,7 @@ def _spread(count: int, most: int) -> Int[np.ndarray, " r"]:
 
 
 def _left_out(count: int, shown: int) -> list[tuple[str, str]]:
-    """Return what to tell where a page lacks poses."""
+    """Return the message where a page lacks poses."""
     if shown == count:
         return []
     return [("left out", f"{count - shown} of {count} moments; between others bodies move evenly")]

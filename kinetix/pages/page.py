@@ -21,7 +21,7 @@ def page_of(films: Sequence[Film]) -> str:
         films: One episode, or two that are played side by side.
 
     Raises:
-        ValueError: There is none, or there are more.
+        ValueError: `films` is empty or too long.
     """
     if not 1 <= len(films) <= MOST_FILMS:
         raise ValueError(f"films: expected 1 or {MOST_FILMS}, got {len(films)}")

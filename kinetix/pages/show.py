@@ -35,7 +35,7 @@ class Page:
         """Write the page to a file.
 
         Raises:
-            LevelError: It cannot be written.
+            LevelError: The file cannot be written.
         """
         write_atomically(Path(path), self.html.encode())
 
@@ -59,7 +59,7 @@ def show(*shown: Any) -> Page:
             side.
 
     Raises:
-        KinetixError: It is something else, or of different levels.
+        KinetixError: An argument is something else, or they are of different levels.
     """
     if not 1 <= len(shown) <= MOST_FILMS:
         raise KinetixError(f"show: expected one run, or two side by side, got {len(shown)}")
@@ -112,10 +112,10 @@ def _film(one: Any) -> Film:
 
 
 def _level_of(name: str | Path) -> Level:
-    """The level of a file or name.
+    """Return the level of a file or name.
 
     Raises:
-        KinetixError: There is none.
+        KinetixError: The level does not exist.
     """
     try:
         return load_level(name)

@@ -20,7 +20,7 @@ class Camera:
 
 
 def fit_arena(width: int, height: int, margin: float = 0.0) -> Camera:
-    """The camera that shows the whole playable square as large as possible.
+    """Return the camera that shows the whole playable square as large as possible.
 
     Args:
         width: Width of the picture [px].
@@ -45,7 +45,7 @@ def to_pixels(
 def to_world(
     pixel: Float[Array, "*s 2"], camera: Camera, width: int, height: int
 ) -> Float[Array, "*s 2"]:
-    """The inverse of `to_pixels`."""
+    """Return the place in the world of a pixel; the inverse of `to_pixels`."""
     from_centre = jnp.stack([pixel[..., 0] - width / 2, height / 2 - pixel[..., 1]], axis=-1)
     return from_centre / camera.pixels_per_metre + camera.centre
 

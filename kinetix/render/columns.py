@@ -21,7 +21,7 @@ FAR = 1e6
 def polygon_span(
     vertices: Float[Array, "q v 2"], inset: float, columns: Float[Array, " x"]
 ) -> Span:
-    """Rows inside convex polygons.
+    """Return the rows inside convex polygons.
 
     The pixel p is inside when cross(a − p, b − p) ≤ −inset·|b − a| for each edge a → b. That is
     linear in the row: an edge that is not vertical bounds it from one side, a vertical one keeps or
@@ -54,7 +54,7 @@ def polygon_span(
 def disc_span(
     centre: Float[Array, "q 2"], radius: Float[Array, " q"], columns: Float[Array, " x"]
 ) -> Span:
-    """Rows of the pixels whose distance from the centre is at most the radius [px]."""
+    """Return rows of the pixels whose distance from the centre is at most the radius [px]."""
     dx = columns[None, :] - centre[:, 0, None]
     square = radius[:, None] * radius[:, None] - dx * dx
     half = jnp.where((square >= 0) & (radius[:, None] >= 0), jnp.sqrt(jnp.abs(square)), -FAR)
@@ -89,7 +89,7 @@ def ray_span(
 
 
 def box_span(corner: Float[Array, "q 2"], width: float, columns: Float[Array, " x"]) -> Span:
-    """Rows of squares of pixels.
+    """Return rows of squares of pixels.
 
     Args:
         corner: Indices of their lowest pixels [px].
@@ -103,7 +103,7 @@ def box_span(corner: Float[Array, "q 2"], width: float, columns: Float[Array, " 
 
 
 def intersection(first: Span, second: Span) -> Span:
-    """Rows that lie in both."""
+    """Return rows that lie in both."""
     return jnp.maximum(first[0], second[0]), jnp.minimum(first[1], second[1])
 
 

@@ -45,7 +45,7 @@ def write_film(
         comment: Kept in the file: what was played, by whom, under what.
 
     Raises:
-        KinetixError: There is no picture, an MP4 is asked for without the extra `video`, or ffmpeg
+        KinetixError: No picture is given, an MP4 is asked for without the extra `video`, or ffmpeg
             cannot make it.
         OSError: The file cannot be written.
     """
@@ -146,9 +146,9 @@ def _gif_blocks(timed: Iterator[tuple[Image.Image, int]], comment: str) -> Itera
 
 
 def _lasting(part: dict[str, Any], picture: Image.Image, time: int) -> Iterator[bytes]:
-    """Yield what a GIF holds of a picture that lasts for any time [0.01 s].
+    """Yield GIF frames that show one picture for the given time [0.01 s].
 
-    Where one entry cannot last so long, one of its pixels is written again.
+    If one frame cannot last so long, another one rewrites a single pixel.
 
     Args:
         part: What `getdata` writes of it.
@@ -183,7 +183,7 @@ def _change(before: Image.Image, picture: Image.Image) -> dict[str, Any] | None:
 
 def _write_mp4(path: Path, frames: Frames, per_second: float, comment: str) -> None:
     program, frames = ffmpeg(), iter(frames)
-    path.touch()  # where nothing can be written, this says so in one sentence
+    path.touch()  # if nothing can be written, this reports it in one sentence
     first = next(frames)
     height, width, _ = first.shape
     source = f"-f rawvideo -pix_fmt rgb24 -s {width}x{height} -r {per_second} -i -".split()
@@ -199,7 +199,7 @@ def _write_mp4(path: Path, frames: Frames, per_second: float, comment: str) -> N
             stderr=complaints,
         ) as writer:
             assert writer.stdin is not None
-            # Where ffmpeg gives up it closes the pipe; what it says is told below.
+            # If ffmpeg gives up it closes the pipe; its message is reported below.
             with contextlib.suppress(BrokenPipeError), writer.stdin as pipe:
                 for frame in itertools.chain([first], frames):
                     pipe.write(np.ascontiguousarray(frame).tobytes())

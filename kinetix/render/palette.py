@@ -40,7 +40,7 @@ class Palette:
     """Body of a thruster's mark."""
 
     def fill(self, role: int, fixed: bool = False) -> Rgb:
-        """Colour of a body.
+        """Return the colour of a body.
 
         Args:
             role: Role number, 0–3.
@@ -54,13 +54,13 @@ class Palette:
 
 
 def shaded(colour: Rgb, factor: float) -> Rgb:
-    """The colour times a factor, rounded down (so that half of 255 is 127)."""
+    """Return the colour times a factor, rounded down (so that half of 255 is 127)."""
     red, green, blue = (int(channel * factor) for channel in colour)
     return red, green, blue
 
 
 def luminance(colour: Rgb) -> float:
-    """Relative luminance, 0–1.
+    """Return the relative luminance, 0–1.
 
     Source: WCAG 2.2, definition of relative luminance (IEC 61966-2-1).
     """
@@ -70,7 +70,7 @@ def luminance(colour: Rgb) -> float:
 
 
 def contrast(first: Rgb, second: Rgb) -> float:
-    """Contrast ratio of two colours, 1–21.
+    """Return the contrast ratio of two colours, 1–21.
 
     Source: WCAG 2.2, definition of contrast ratio.
     """

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 JOINT_PIXELS: Final = 6
 """Side of a joint's mark in the full-size picture at 100 pixels a metre."""
 THRUSTER_PIXELS: Final = 16
-"""Side of a thruster's mark, likewise."""
+"""Side of a thruster's mark in that picture."""
 
 _FIXED: Final = 4
 _BLACK: Final = 8
@@ -73,7 +73,7 @@ class PixelGrid:
 
 
 def pixel_grid(env_params: "EnvParams", static_env_params: "StaticEnvParams") -> PixelGrid:
-    """The sizes that these parameters ask for.
+    """Return the sizes that these parameters ask for.
 
     Raises:
         KinetixError: The two are swapped, or nothing would be left of the picture.
@@ -110,7 +110,7 @@ def _canvas(point: Float[Array, "*s 2"], grid: PixelGrid) -> Float[Array, "*s 2"
 
 
 def _patch(position: Float[Array, "b 2"], grid: PixelGrid, x: Float[Array, " x"]) -> columns.Span:
-    """The square in which a body is drawn: what sticks out of it is cut off."""
+    """Return the square in which a body is drawn: what sticks out of it is cut off."""
     corner = jnp.trunc(_canvas(position - grid.margin_metres / 2, grid))
     most = jnp.array([grid.width + grid.margin, grid.height + grid.margin], corner.dtype)
     return columns.box_span(jnp.clip(corner, 0, most[None, :]), grid.margin, x)
@@ -163,7 +163,7 @@ def _polygons(
 def _circles(
     world: World, state: State, role: Int[Array, " b"], grid: PixelGrid, x: Float[Array, " x"]
 ) -> list[_Layers]:
-    """Circles: edge, fill, radius line."""
+    """Return circles: edge, fill, radius line."""
     first = world.bodies.vertices.shape[0]
     position = state.position[first:]
     centre = _canvas(position, grid)
@@ -187,7 +187,7 @@ def _joints(
     grid: PixelGrid,
     x: Float[Array, " x"],
 ) -> list[_Layers]:
-    """Joints: one pixel, or a square for a weld and a disc for a revolute joint."""
+    """Return joints: one pixel, or a square for a weld and a disc for a revolute joint."""
     joints = world.joints
     centre = jnp.round(_canvas(poses.joint_anchors(world, state), grid))
     square = columns.box_span(centre - grid.joint // 2, grid.joint, x)
@@ -209,7 +209,7 @@ def _thrusters(
     grid: PixelGrid,
     x: Float[Array, " x"],
 ) -> list[_Layers]:
-    """Thrusters: a flame in the binding's colour behind a grey nozzle."""
+    """Return thrusters: a flame in the binding's colour behind a grey nozzle."""
     position, direction = poses.thruster_poses(world, state)
     # The mark covers `thruster` pixels round the rounded attachment: its middle is half a pixel
     # lower.
@@ -272,7 +272,7 @@ def pixel_codes(
     return columns.paint(low, count, code, _WHITE, grid.height)
 
 
-@functools.lru_cache(maxsize=64)  # whoever asks again gets what is compiled
+@functools.lru_cache(maxsize=64)  # later calls get the compiled function
 def _make_renderer(grid: PixelGrid, scale: float) -> Callable[["EnvState"], Float[Array, "x y 3"]]:
     colours = _COLOURS * np.float32(scale)
 
@@ -313,7 +313,7 @@ def _check_state(env_state: Any) -> None:
 def make_render_pixels(
     env_params: "EnvParams", static_env_params: "StaticEnvParams"
 ) -> Callable[["EnvState"], Float[Array, "x y 3"]]:
-    """A function that draws the pixel observation of a state.
+    """Return a function that draws the pixel observation of a state.
 
     Args:
         env_params: Its `pixels_per_unit` counts.

@@ -7,14 +7,14 @@ from kinetix.engine.types import State, World
 
 
 def rotated(vector: Float[Array, "*s 2"], angle: Float[Array, "*s"]) -> Float[Array, "*s 2"]:
-    """Vectors turned counter-clockwise by angles [rad]."""
+    """Return vectors turned counter-clockwise by angles [rad]."""
     cos, sin = jnp.cos(angle), jnp.sin(angle)
     x, y = vector[..., 0], vector[..., 1]
     return jnp.stack([cos * x - sin * y, sin * x + cos * y], axis=-1)
 
 
 def corners(world: World) -> Float[Array, "p v 2"]:
-    """Corners of the polygons in their own frames [m]; padding repeats the last real corner.
+    """Return corners of the polygons in their own frames [m]; padding repeats the last real corner.
 
     So a triangle is a quadrilateral with an edge of length zero, and is drawn as a triangle.
     """
@@ -39,7 +39,7 @@ def centroids(corners: Float[Array, "p v 2"]) -> Float[Array, "p 2"]:
 
 
 def world_corners(world: World, state: State) -> Float[Array, "p v 2"]:
-    """Corners of the polygons in the world [m]."""
+    """Return corners of the polygons in the world [m]."""
     local = corners(world)
     polygons = local.shape[0]
     angle = jnp.broadcast_to(state.rotation[:polygons, None], local.shape[:2])

@@ -59,7 +59,7 @@ def polygon_layers(
     edge: Float[Array, " l"],
     shown: Bool[Array, " l"],
 ) -> Layers:
-    """Filled polygons with an outline.
+    """Return filled polygons with an outline.
 
     Args:
         corners: Corners [px], clockwise as seen; repeated ones are harmless.
@@ -96,7 +96,7 @@ def disc_layers(
     edge: Float[Array, " l"],
     shown: Bool[Array, " l"],
 ) -> Layers:
-    """Filled discs with an outline; arguments as for `polygon_layers`."""
+    """Return filled discs with an outline; arguments as for `polygon_layers`."""
     count = radius.shape[0]
     return Layers(
         normal=jnp.zeros((count, 4, 2)),
@@ -112,7 +112,7 @@ def disc_layers(
 
 
 def choose(first: Bool[Array, " l"], one: Layers, other: Layers) -> Layers:
-    """Row by row one or the other."""
+    """Return row by row one or the other."""
     return jax.tree.map(
         lambda a, b: jnp.where(first.reshape((-1,) + (1,) * (a.ndim - 1)), a, b), one, other
     )
@@ -126,19 +126,19 @@ def interleave(*layers: Layers) -> Layers:
 
 
 def concatenate(*layers: Layers) -> Layers:
-    """One list after the other."""
+    """Return one list after the other."""
     return jax.tree.map(lambda *rows: jnp.concatenate(rows), *layers)
 
 
 def _pack(layers: Layers) -> Float[Array, "l k"]:
-    """All numbers of a shape in one row, so that picking a shape is one copy."""
+    """Return all numbers of a shape in one row, so that picking a shape is one copy."""
     count = layers.radius.shape[0]
     leaves = [leaf.reshape(count, -1).astype(jnp.float32) for leaf in jax.tree.leaves(layers)]
     return jnp.concatenate(leaves, axis=1)
 
 
 def _unpack(row: Float[Array, " k"], layers: Layers) -> Layers:
-    """One shape back from its row: the fields of `layers` without their first axis."""
+    """Return one shape back from its row: the fields of `layers` without their first axis."""
     leaves, structure = jax.tree.flatten(layers)
     parts, start = [], 0
     for leaf in leaves:
@@ -149,7 +149,7 @@ def _unpack(row: Float[Array, " k"], layers: Layers) -> Layers:
 
 
 def _depth(shape: Layers, x: Float[Array, "1 w"], y: Float[Array, "h 1"]) -> Float[Array, "h w"]:
-    """Distance inside the shape [px], negative outside (near corners a little too large)."""
+    """Return the distance inside the shape [px], negative outside (near corners too large)."""
 
     def disc() -> Float[Array, "h w"]:
         dx, dy = x - shape.centre[0], y - shape.centre[1]
@@ -165,7 +165,7 @@ def _depth(shape: Layers, x: Float[Array, "1 w"], y: Float[Array, "h 1"]) -> Flo
 
 
 def _striped(shape: Layers, x: Float[Array, "1 w"], y: Float[Array, "h 1"]) -> Float[Array, "h w"]:
-    """Share of each pixel that stripes cover."""
+    """Return the share of each pixel that stripes cover."""
     assert shape.stripes is not None
     assert shape.stripe is not None
     covered = jnp.zeros((y.shape[0], x.shape[1]))

@@ -46,7 +46,7 @@ def save_film(path: str | Path, frames: Iterable[Any], per_second: float = 30.0)
     if not isinstance(frames, Iterable):
         raise KinetixError(f"frames: expected pictures, got {type(frames).__name__}")
     if kind == ".mp4":
-        ffmpeg()  # what is missing is told before the work
+        ffmpeg()  # what is missing is reported before the work
     check_target(path)
     with replacing(path) as file:
         write_film(file, _pictures(frames), kind=kind, per_second=float(per_second))

@@ -94,7 +94,7 @@ def _with_glyphs(
     fixed: Bool[Array, " l"],
     view: _View,
 ) -> raster.Layers:
-    """Bodies of one kind, each followed by what lies on it and its role's glyph."""
+    """Return bodies of one kind, each followed by what lies on it and its role's glyph."""
     layers = list(bodies)
     if view.style.glyphs:
         radius = jnp.minimum(view.style.glyph_radius, view.style.glyph_share * inscribed)

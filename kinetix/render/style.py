@@ -1,6 +1,6 @@
 """Thicknesses, marks and draw order, for the JAX renderer and the editor's vectors; free of JAX.
 
-Lengths are metres unless they say otherwise; angles are radians, counter-clockwise.
+Lengths are metres unless noted otherwise; angles are radians, counter-clockwise.
 """
 
 import dataclasses
@@ -39,7 +39,7 @@ ROLE_GLYPHS: Final = (
     Glyph(disc=0.38, ring=(0.7, 1.0)),
     Glyph(cross=(0.95, 0.2)),
 )
-"""By role: nothing, ● green, ◎ blue, ✕ red. Told apart by shape alone."""
+"""By role: nothing, ● green, ◎ blue, ✕ red. Distinguished by shape alone."""
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -98,7 +98,7 @@ STYLE: Final = Style()
 
 
 def glyph_radius(inscribed: float, style: Style = STYLE) -> float:
-    """Radius of the role glyph on a body.
+    """Return the radius of the role glyph on a body.
 
     Args:
         inscribed: Distance from the body's centre to its nearest edge; a circle's radius.

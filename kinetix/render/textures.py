@@ -15,7 +15,7 @@ LEAST_MARK = 2.5
 
 
 def colour_table(colours: tuple[tuple[int, int, int], ...]) -> Float[Array, "k 3"]:
-    """Colours as an array to be indexed."""
+    """Return colours as an array to be indexed."""
     return jnp.asarray(np.array(colours, np.float32))
 
 
@@ -38,7 +38,7 @@ def role_glyphs(
     shown: Bool[Array, " l"],
     palette: Palette,
 ) -> tuple[raster.Layers, raster.Layers]:
-    """The two shapes of every body's glyph: ● green, ◎ blue, ✕ red, nothing for the others.
+    """Return the two shapes of every body's glyph: ● green, ◎ blue, ✕ red, nothing for the others.
 
     Args:
         centre: Middle of the bodies [px].
@@ -95,7 +95,7 @@ def joint_marks(  # noqa: PLR0913  (one argument a property of the mark)
     palette: Palette,
     style: Style,
 ) -> raster.Layers:
-    """A disc for a revolute joint, a square that turns with the first body for a weld.
+    """Return a disc for a revolute joint, a square that turns with the first body for a weld.
 
     Args:
         centre: Where the joints are [px].
@@ -132,7 +132,7 @@ def thruster_marks(
     palette: Palette,
     style: Style,
 ) -> tuple[raster.Layers, raster.Layers]:
-    """Flame and nozzle.
+    """Draw the flames and nozzles of thrusters.
 
     Args:
         centre: Where the thrusters sit [px].

@@ -35,7 +35,7 @@ SCENES: Final[dict[str, SuiteScene]] = {
 
 
 def scenes_named(text: str) -> tuple[SuiteScene, ...]:
-    """The scenes that a command line means: `core`, `all`, classes and ids with commas.
+    """Return the scenes that a command line means: `core`, `all`, classes and ids with commas.
 
     Raises:
         KinetixError: An id is unknown.

@@ -22,7 +22,7 @@ def _box(
 
 
 def _along(slope: float, along: float, above: float) -> tuple[float, float]:
-    """A point by its place along and above a surface that falls towards +x."""
+    """Return a point by its place along and above a surface that falls towards +x."""
     c, s = math.cos(slope), math.sin(slope)
     return along * c + above * s, -along * s + above * c
 

@@ -9,7 +9,7 @@ from kinetix.scenes.stage import Stage
 
 
 def drop_speed(height: float) -> float:
-    """Speed after falling from rest [m/s]."""
+    """Return the speed after falling from rest [m/s]."""
     return math.sqrt(2 * GRAVITY * height)
 
 

@@ -88,9 +88,9 @@ class SuiteScene:
         return max(trial.duration for trial in self.make_trials())
 
     def build(self, variant: int = 0) -> Level:
-        """The level of one trial, as a document to look at.
+        """Return the level of one trial, as a document to look at.
 
         Raises:
-            IndexError: There is no such trial.
+            IndexError: The scene has no such trial.
         """
         return self.make_trials()[variant].level

@@ -15,7 +15,7 @@ FLOOR: Final = (40.0, 1.0)
 
 
 def surface_friction(coefficient: float) -> float:
-    """The friction value that two equal surfaces need for a coefficient.
+    """Return the friction value that two equal surfaces need for a coefficient.
 
     Source: the mixing rule 0.4·√(f_a² + f_b²).
     """
@@ -107,5 +107,5 @@ class Stage:
         return self._builder.thruster(body, place, angle=angle, power=power)
 
     def level(self) -> Level:
-        """The finished document."""
+        """Return the finished document."""
         return self._builder.build()

@@ -37,7 +37,7 @@ def join(coordinator: str, *, num_processes: int | None, process_id: int | None)
 
     Args:
         coordinator: Host and port of the first process, as the others reach it, or "auto" where a
-            cluster's scheduler tells.
+            cluster's scheduler provides.
         num_processes: How many processes there are; None: the scheduler knows.
         process_id: Which of them this is, from 0; None: the scheduler knows.
 
@@ -69,7 +69,7 @@ def wait_for_all(name: str) -> None:
 
 
 def to_host(tree: Any) -> Any:
-    """The whole of every array, as numpy arrays, in every process.
+    """Return the whole of every array, as numpy arrays, in every process.
 
     Args:
         tree: Arrays; every process must call this with the same ones.
@@ -84,7 +84,7 @@ def to_host(tree: Any) -> Any:
 
 
 def placed(tree: Any, placement: PartitionSpec) -> Any:
-    """Put arrays where a program leaves them that was told to.
+    """Place arrays on the devices with the given sharding.
 
     Args:
         tree: Whole numpy arrays, the same in every process.

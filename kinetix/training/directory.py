@@ -62,7 +62,7 @@ def _may_lie_there(path: Path) -> bool:
 
 
 def _differing(name: str, old: Any, new: Any) -> str:
-    """The first field in which two configurations differ, inside the network's too."""
+    """Return the first field in which two configurations differ, inside the network's too."""
     if isinstance(old, NetworkConfig) and isinstance(new, NetworkConfig):
         for field in dataclasses.fields(old):
             a, b = getattr(old, field.name), getattr(new, field.name)
@@ -73,14 +73,15 @@ def _differing(name: str, old: Any, new: Any) -> str:
 
 
 def refuse_lost_checkpoints(out: Path, config: PpoConfig) -> None:
-    """Refuse to begin anew where a run has come further than to its first checkpoint.
+    """Refuse to start over where a run has come further than its first checkpoint.
 
     Args:
         out: The run's directory, in which there is no checkpoint.
         config: The run's configuration.
 
     Raises:
-        KinetixError: It has; a kill before the first checkpoint leaves fewer rows.
+        KinetixError: The run has come further; a kill before the first checkpoint leaves fewer
+            rows.
     """
     done = max((row[UPDATE] for row in read_metrics(out)), default=0)
     if done > (config.checkpoint_save_freq or config.num_updates):
@@ -91,7 +92,7 @@ def refuse_lost_checkpoints(out: Path, config: PpoConfig) -> None:
 
 
 def unreadable_agent(checkpoint: Path) -> str:
-    """Say what is wrong with an agent, or nothing.
+    """Return what is wrong with an agent, or nothing.
 
     Args:
         checkpoint: Its directory.

@@ -51,7 +51,7 @@ class TrainingEvaluation:
         self._longest = setup.longest_episode
         self._evaluated = False
         self.seconds: float | None = None
-        """Duration of the last one, compilation left out [s]; None: that cannot be told."""
+        """Duration of the last one, without compilation [s]; None: unknown."""
 
     @property
     def told(self) -> str:
@@ -184,7 +184,7 @@ def levels_to_watch(setup: Setup, most: int | None = None) -> list[NamedLevel]:
 
 
 def _as_read(level: SetLevel) -> Level | LoadedLevel:
-    """The level as its file says, which kinetix-env's says with more than a document."""
+    """Return the level as in its file; kinetix-env's files hold more than a document."""
     return load_document(level.played) if isinstance(level.played, Path) else level.played
 
 

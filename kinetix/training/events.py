@@ -17,7 +17,7 @@ class EventFile:
     """The events of a run: rows from before, then each row as it comes.
 
     A kill leaves at most a cut event at the end, which TensorBoard passes over; the next start
-    writes everything anew.
+    rewrites everything.
     """
 
     def __init__(

@@ -1,4 +1,4 @@
-"""What a training does in vain under its settings, said before it begins."""
+"""Warnings about settings under which a training wastes work."""
 
 import math
 

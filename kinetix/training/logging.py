@@ -45,7 +45,7 @@ class Sink(Protocol):
 
 
 def open_sinks(run: Path, config: PpoConfig, *, updates: int = 0) -> list[Sink]:
-    """The run's own files, and what the configuration asks for besides.
+    """Return the run's own files, and what the configuration asks for besides.
 
     Args:
         run: The run's directory.
@@ -67,7 +67,7 @@ class MetricsLog:
     """Writes one row an update.
 
     The JSON lines are the truth. The CSV, with a column for every metric that has occurred, and the
-    events of TensorBoard are made from them, anew whenever a run goes on.
+    events of TensorBoard are made from them, again whenever a run goes on.
     """
 
     def __init__(self, run: Path, *, updates: int = 0) -> None:
@@ -147,7 +147,7 @@ def _named(path: Path) -> Iterator[None]:
     except OSError as error:
         why = error.strerror or str(error)
         raise FileError(
-            path, f"cannot be written: {why}; after that is mended, the same command goes on"
+            path, f"cannot be written: {why}; once that is repaired, the same command continues"
         ) from error
 
 
@@ -219,7 +219,7 @@ def keep_damaged_rows(run: Path, updates: int, say: Callable[[str], None]) -> No
 
 
 def _only_rows(path: Path) -> bool:
-    """Return whether a file is there and loses nothing when it is written anew."""
+    """Return whether a file is there and loses nothing when it is rewritten."""
     if not os.path.isfile(path):
         return False
     lines = read_bytes(path, "metrics").decode("utf-8", errors="replace").split("\n")
@@ -270,5 +270,5 @@ def _checked(row: Any) -> dict[str, float] | None:
 
 
 def _columns(rows: list[dict[str, float]]) -> list[str]:
-    """Names in the order of their first occurrence."""
+    """Return names in the order of their first occurrence."""
     return list(dict.fromkeys(name for row in rows for name in row))

@@ -128,7 +128,7 @@ def _refuse_divergence(numbers: Mapping[str, float], update: int) -> None:
     if not math.isfinite(numbers.get(GRADIENT, 0.0)):
         raise KinetixError(
             f"update {update}: the gradient is not finite, the training has diverged; what is "
-            "stored of the run is kept. Train anew, or from a checkpoint (--from), with a smaller "
+            "stored of the run is kept. Train again, or from a checkpoint (--from), with a smaller "
             "learning_rate or max_grad_norm"
         )
 
@@ -200,7 +200,7 @@ def _report(
 def _agent(
     run: Training, state: Any, progress: StoredProgress, results: Mapping[str, float]
 ) -> Agent:
-    """The agent that a training state holds, with its records."""
+    """Return the agent that a training state holds, with its records."""
     algorithm, trainer = run.algorithm, run.trainer
     config = trainer.setup.config
     steps = progress.updates * config.steps_per_update
@@ -239,6 +239,6 @@ def save(run: Training, state: Any, progress: StoredProgress, results: Mapping[s
         # What lay there and was no checkpoint of this run was put aside when it went on.
         write_checkpoint(target, agent.card, agent.params["params"], extra=beside, replace=True)
     except KinetixError as error:
-        told = f"{error}; after that is mended, the same command goes on"
+        told = f"{error}; once that is repaired, the same command continues"
         raise KinetixError(told) from None
     forget_older(run.out)

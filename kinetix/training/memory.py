@@ -53,7 +53,7 @@ def _bytes(tree: Any) -> int:
 
 
 def _available() -> int:
-    """Memory of the first device, or of the machine where the device is its processor."""
+    """Return the memory of the first device, or of the machine if that is the CPU."""
     statistics = jax.local_devices()[0].memory_stats() or {}
     limit = statistics.get("bytes_limit")
     if limit is not None:

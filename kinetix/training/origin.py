@@ -58,7 +58,7 @@ def read_origin(out: Path) -> dict[str, Any]:
 
 
 def check_origin(out: Path, teacher: Agent | None) -> None:
-    """Refuse to begin a run anew from something else than it began from.
+    """Refuse to start a run over from another origin.
 
     Args:
         out: The run's directory, in which there is no checkpoint yet.

@@ -72,7 +72,7 @@ def train(  # noqa: PLR0913 (whom to tell what, besides what is trained)
         The last checkpoint.
 
     Raises:
-        KinetixError: The directory holds a run with another configuration (the sentence says where
+        KinetixError: The directory holds a run with another configuration (the message says where
             they differ), another training writes to it, or no stored state can be read.
         KeyboardInterrupt: The user ended the training; it is saved.
         Terminated: The system did; it is saved.
@@ -150,7 +150,7 @@ def train(  # noqa: PLR0913 (whom to tell what, besides what is trained)
 
 
 def _say_first(trainer: Trainer, config: PpoConfig, say: Say) -> None:
-    """Say what a person may not expect of this training."""
+    """Report what a person may not expect of this training."""
     if config.rounded:
         say(config.rounded)
     if config.demo_starts and not config.levels:
@@ -171,7 +171,7 @@ def _say_first(trainer: Trainer, config: PpoConfig, say: Say) -> None:
 
 
 def _say_length(length: str, progress: StoredProgress, config: PpoConfig, say: Say) -> None:
-    """Say that a run goes on with another length, if it does."""
+    """Report that a run goes on with another length, if it does."""
     if length and progress.updates < config.num_updates:
         say(length)
 

@@ -15,7 +15,7 @@ ADAM_EPSILON = 1e-5
 
 
 def learning_rate(config: PpoConfig, gradient_steps: int) -> Callable[[Any], Any]:
-    """The learning rate as a function of the number of gradient steps done.
+    """Return the learning rate as a function of the number of gradient steps done.
 
     Args:
         config: The configuration.

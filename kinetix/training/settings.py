@@ -40,7 +40,7 @@ _PRESETS = resources.files("kinetix.training") / "presets"
 
 
 def presets() -> list[str]:
-    """Names of the presets that come with the program."""
+    """Return names of the presets that come with the program."""
     return sorted(
         path.name.removesuffix(".toml")
         for path in _PRESETS.iterdir()
@@ -82,7 +82,7 @@ def make_config(
         run: A run's directory; if it has a `config.toml`, that comes before everything else.
 
     Raises:
-        KinetixError: Something is not known or out of range; the sentence says where.
+        KinetixError: Something is not known or out of range; the message says where.
     """
     if algorithm not in CONFIGS:
         raise KinetixError(f"algorithm: expected one of {', '.join(CONFIGS)}, got {algorithm!r}")
@@ -122,7 +122,7 @@ def make_config(
 
 
 def _without_network(values: Mapping[str, Any]) -> dict[str, Any]:
-    """The values with each option of a whole network beside them; single ones win."""
+    """Return the values with each option of a whole network beside them; single ones win."""
     network = values.get(NETWORK) or {}
     if not isinstance(network, NetworkConfig | Mapping):
         raise KinetixError(f"{NETWORK}: expected a NetworkConfig or a mapping, got {network!r}")
@@ -279,7 +279,7 @@ def settings_of(card: AgentCard) -> dict[str, Any]:
 
 
 def dumps_config(algorithm: str, config: PpoConfig) -> str:
-    """A configuration as TOML; fields that are None are left out.
+    """Return a configuration as TOML; fields that are None are left out.
 
     Args:
         algorithm: Goes into the first line.
@@ -295,7 +295,7 @@ def dumps_config(algorithm: str, config: PpoConfig) -> str:
 
 
 def as_table(config: PpoConfig) -> dict[str, Any]:
-    """A configuration as plain values by name, the network's options under `network`.
+    """Return a configuration as plain values by name, the network's options under `network`.
 
     Args:
         config: The configuration.
@@ -304,7 +304,7 @@ def as_table(config: PpoConfig) -> dict[str, Any]:
 
 
 def loads_config(text: str, file: str) -> tuple[str, dict[str, Any]]:
-    """The inverse of `dumps_config`, as values for `make_config`.
+    """Return the inverse of `dumps_config`, as values for `make_config`.
 
     Args:
         text: The TOML text.

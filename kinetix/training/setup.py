@@ -86,7 +86,7 @@ class Setup:
         return self.game.env.reset_fn
 
     def fresh_levels(self, key: Array, count: int) -> EnvState:
-        """Levels from the reset function, without those that are won by doing nothing.
+        """Return levels from the reset function, without those that are won by doing nothing.
 
         Args:
             key: Random key.
@@ -140,7 +140,7 @@ class Setup:
         return jax.vmap(permute_state)(jax.random.split(key, levels.timestep.shape[0]), levels)
 
     def start_learner(self, key: Array, teacher: Agent | None) -> Learner:
-        """Fresh parameters, or those of an agent to be fine-tuned, and a fresh optimiser.
+        """Return fresh parameters, or those of an agent to be fine-tuned, and a fresh optimiser.
 
         Args:
             key: Random key.
@@ -155,7 +155,7 @@ class Setup:
         return dataclasses.replace(learner, teacher=kept, age=jnp.zeros((), jnp.int32))
 
     def start_statistics(self, teacher: Agent | None) -> Normalisation | None:
-        """Statistics of observations, where they are normalised.
+        """Return statistics of observations, where they are normalised.
 
         Args:
             teacher: The agent to start from; its statistics go on.
@@ -170,7 +170,7 @@ class Setup:
         return start(jax.tree.map(lambda x: jnp.zeros(x.shape, x.dtype), shapes))
 
     def start_playing(self, key: Array) -> Playing:
-        """All environments at the start of episodes from the reset function.
+        """Return all environments at the start of episodes from the reset function.
 
         Args:
             key: Random key.
@@ -230,7 +230,7 @@ def make_setup(config: PpoConfig, *, gradient_steps: int, teacher: Agent | None 
             configuration.
 
     Raises:
-        KinetixError: Something does not fit; the sentence says what.
+        KinetixError: Something does not fit; the message says what.
     """
     check_divisible(config)
     ued = UEDParams(legacy_ceiling=True) if config.parity == "kinetix-3" else UEDParams()
@@ -299,7 +299,7 @@ def _digest(listed: list[SetLevel]) -> str:
 
 
 def _shuffled(config: PpoConfig, reset_fn: ResetFunction) -> ResetFunction:
-    """The reset function, with entities in other slots each time, if so configured."""
+    """Return the reset function, with entities in other slots each time, if so configured."""
     if not config.permute_state_during_training:
         return reset_fn
 

@@ -45,7 +45,7 @@ def train(
         The trained agent; `out` holds it too.
 
     Raises:
-        KinetixError: A word or number is not allowed; the sentence names it.
+        KinetixError: A word or number is not allowed; the message names it.
     """
     if not isinstance(out, str | os.PathLike) or not os.fspath(out):
         raise KinetixError(f"out={out!r}: expected the run's directory")

@@ -48,7 +48,7 @@ class SweepRun:
     """One training of a sweep."""
 
     name: str
-    """Of its directory."""
+    """Name of its directory."""
     values: Mapping[str, Any]
     """Hyper-parameters by name."""
 
@@ -60,7 +60,7 @@ def read_sweep(path: Path) -> list[SweepRun]:
         path: A TOML file.
 
     Raises:
-        KinetixError: It cannot be read, or a table is not as expected; the sentence says where.
+        KinetixError: It cannot be read, or a table is not as expected; the message says where.
     """
     try:
         content = tomllib.loads(read_text(path, "run"))
@@ -150,7 +150,7 @@ def _draw(numbers: random.Random, spread: Any, where: str) -> Any:
 
 
 def _short(number: float) -> float:
-    """Four digits, so that names and tables stay readable."""
+    """Return four digits, so that names and tables stay readable."""
     return float(f"{number:.4g}")
 
 
@@ -199,7 +199,7 @@ def results(out: Path, run: SweepRun) -> dict[str, float]:
 
 
 def _newest(rows: Sequence[Mapping[str, float]]) -> dict[str, float]:
-    """The newest value of every metric."""
+    """Return the newest value of every metric."""
     return {name: value for row in rows for name, value in row.items()}
 
 

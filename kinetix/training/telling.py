@@ -1,4 +1,4 @@
-"""Words for whoever waits: sentences that stay, and what is under way. Free of JAX."""
+"""Progress messages: permanent lines and a status line. Free of JAX."""
 
 import re
 import time
@@ -10,11 +10,11 @@ Say = Callable[[str], None]
 
 
 STATUS_INTERVAL: Final = 10.0
-"""Of lines that tell the same kind of work, no more than one in so long is printed [s]."""
+"""Least interval between two status lines of the same kind [s]."""
 
 
 def say_nothing(text: str) -> None:
-    """Take a sentence that nobody wants."""
+    """Ignore the message."""
 
 
 def now_and_then(say: Say) -> Say:

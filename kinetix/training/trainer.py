@@ -32,16 +32,16 @@ class Trainer(Protocol):
         ...
 
     def start(self) -> Any:
-        """The state before the first update."""
+        """Return the state before the first update."""
         ...
 
     def update(self, state: Any) -> tuple[Any, Mapping[str, Any]]:
-        """The next state, and metrics."""
+        """Return the next state, and metrics."""
         ...
 
 
 def make_trainer(config: PpoConfig, teacher: Agent | None = None) -> Trainer:
-    """The algorithm that a configuration is for.
+    """Return the algorithm that a configuration is for.
 
     Args:
         config: The configuration, already checked.

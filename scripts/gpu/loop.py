@@ -17,7 +17,7 @@ FIRST = 16
 
 
 def arguments() -> argparse.ArgumentParser:
-    """The options that both have."""
+    """Return the options that both have."""
     parser = argparse.ArgumentParser(formatter_class=argparse.ArgumentDefaultsHelpFormatter)
     parser.add_argument("--sizes", nargs="+", default=["s", "m", "l"])
     parser.add_argument("--batches", nargs="+", type=int, default=[1024, 65536])
@@ -32,14 +32,14 @@ def on_processor() -> Any:
 
 
 def started(states: Sequence[Any], batch: int) -> Any:
-    """States of one shape, in turn, with a leading axis, on the device."""
+    """Return states of one shape, in turn, with a leading axis, on the device."""
     chosen = np.arange(batch) % len(states)
     together = jax.tree.map(lambda *x: np.stack([np.asarray(y) for y in x])[chosen], *states)
     return jax.device_put(together)
 
 
 def choices_of(env: Any, params: Any) -> Array:
-    """Number of choices of each part of an action."""
+    """Return the number of choices of each part of an action."""
     return jnp.asarray(env.action_space(params).number_of_dims_per_distribution, jnp.int32)
 
 

@@ -49,7 +49,7 @@ def learner(env: Any, params: Any) -> tuple[Callable[..., Any], Callable[..., An
 
 
 def measure(env: Any, params: Any, states: list[Any], count: int, runs: int) -> dict[str, Any]:
-    """Rate and compile time."""
+    """Measure the rate and the compile time."""
     begin, updates = learner(env, params)
     start = started(states, count)
     carry = jax.block_until_ready(jax.jit(begin)(start, jax.random.PRNGKey(0)))

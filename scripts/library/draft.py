@@ -128,7 +128,7 @@ class Draft:
         return self._builder.thruster(body, at, angle=angle, power=power, binding=control)
 
     def level(self, name: str, description: str, size: SizeName) -> Level:
-        """The finished document."""
+        """Return the finished document."""
         return self._builder.build().replace(
             name=name,
             description=description,

@@ -41,7 +41,7 @@ class Effort:
         return 1 + sum(self.needed > most for most in STEPS)
 
     def tree(self) -> dict[str, Any]:
-        """As JSON has it."""
+        """Return the values for JSON."""
         return dataclasses.asdict(self)
 
 
@@ -59,7 +59,7 @@ def write_efforts(efforts: dict[str, Effort]) -> None:
 
 
 def graded(level: Level, effort: Effort | None) -> Level:
-    """The level with the difficulty that was measured, if it was measured as it is."""
+    """Return the level with the difficulty that was measured, if it was measured as it is."""
     if effort is None or effort.level != level_hash(level):
         return level
     tag = f"{TAG}{effort.difficulty}"

@@ -34,11 +34,11 @@ class CompiledScene(Protocol):
     """A pytree of all that differs from scene to scene of a kind."""
 
     def begin(self, given: Any) -> Any:
-        """The state at the start."""
+        """Return the state at the start."""
         ...
 
     def advance(self, given: Any, state: Any) -> Any:
-        """The state a frame later."""
+        """Return the state a frame later."""
         ...
 
     def seen(self, given: Any, state: Any) -> jax.Array:
@@ -63,7 +63,7 @@ def motor_law(joint: dict[str, Any], action: float, angle: jax.Array, speed: jax
 
 
 def thrust(told: dict[str, Any], action: Any, angle: jax.Array) -> jax.Array:
-    """Force and torque of a thruster on a body turned by an angle."""
+    """Return the force and torque of a thruster on a body turned by an angle."""
     force = THRUSTER_POWER * told["power"] * action
     heading = angle + told["angle"]
     x, y = told["position"]
@@ -74,12 +74,12 @@ def thrust(told: dict[str, Any], action: Any, angle: jax.Array) -> jax.Array:
 
 
 def part(told: dict[str, Any], *names: str) -> dict[str, Any]:
-    """Some of what a joint or a thruster has."""
+    """Return some of what a joint or a thruster has."""
     return {name: told[name] for name in names}
 
 
 def repeated(step: Callable[[Any], Any], state: Any, times: int) -> Any:
-    """A step so many times, compiled once."""
+    """Return a step so many times, compiled once."""
     if times == 1:
         return step(state)
     return jax.lax.fori_loop(0, times, lambda _, state: step(state), state)

@@ -39,7 +39,7 @@ def planar_model(scene: Scene, *, timestep: float) -> mujoco.MjModel:
 
 
 def empty_spec(scene: Scene, timestep: float) -> Any:
-    """A model without bodies: radians, the scene's gravity."""
+    """Return a model without bodies: radians, the scene's gravity."""
     spec = mujoco.MjSpec()
     spec.compiler.degree = False
     spec.option.timestep = timestep
@@ -77,13 +77,13 @@ def put_shape(geom: Any, told: dict[str, Any]) -> None:
 
 
 def turned(vector: list[float], angle: float) -> list[float]:
-    """A vector (x, y, 0) turned about z."""
+    """Return a vector (x, y, 0) turned about z."""
     c, s = math.cos(angle), math.sin(angle)
     return [c * vector[0] - s * vector[1], s * vector[0] + c * vector[1], 0.0]
 
 
 def quaternion(angle: float) -> list[float]:
-    """A turn about z."""
+    """Return the quaternion of a turn about z."""
     return [math.cos(angle / 2), 0.0, 0.0, math.sin(angle / 2)]
 
 

@@ -47,7 +47,7 @@ class Head(nn.Module):
 
     @nn.compact
     def __call__(self, x: jax.Array) -> tuple[jax.Array, jax.Array]:
-        """Two layers each."""
+        """Apply two layers each for policy and value."""
         actor = critic = x
         for _ in range(2):
             actor, critic = nn.tanh(nn.Dense(128)(actor)), nn.tanh(nn.Dense(128)(critic))
@@ -59,7 +59,7 @@ class Flat(nn.Module):
 
     @nn.compact
     def __call__(self, x: jax.Array) -> tuple[jax.Array, jax.Array]:
-        """One layer, then the head."""
+        """Return one layer, then the head."""
         return Head()(nn.relu(nn.Dense(128)(x)))
 
 
@@ -102,7 +102,7 @@ NETWORKS: dict[str, tuple[nn.Module, Any]] = {
 
 
 def make_env(observation: Any, physics: str, *, size: str = "s", random: bool = True) -> Any:
-    """The environment on random levels of a size, or on one, at the published frame skip."""
+    """Return the environment on random levels of a size, or on one, at the published frame skip."""
     static = static_env_params_from_size(size).replace(frame_skip=2)
     if is_ours():
         static = static.replace(physics=physics)
@@ -127,13 +127,13 @@ def is_ours() -> bool:
 
 
 def by_part(logits: jax.Array) -> list[jax.Array]:
-    """Log-probabilities of each part of the action."""
+    """Return log-probabilities of each part of the action."""
     edges = [sum(SIZES[:index]) for index in range(1, len(SIZES))]
     return [nn.log_softmax(part) for part in jnp.split(logits, edges, axis=-1)]
 
 
 def log_prob(logits: jax.Array, action: jax.Array) -> jax.Array:
-    """Of a whole action."""
+    """Return the log-probability of a whole action."""
     chosen = [
         jnp.take_along_axis(part, action[..., index, None], axis=-1)[..., 0]
         for index, part in enumerate(by_part(logits))
@@ -156,7 +156,7 @@ def loss(network: nn.Module, params: Any, batch: Any) -> jax.Array:
 
 
 def play(network: nn.Module, step: Step, params: Any, carry: Any, key: jax.Array) -> tuple:
-    """One step of all environments, and the row that is learnt from."""
+    """Play one step of all environments; returns it and the row to learn from."""
     seen, state = carry
     act_key, step_key = jax.random.split(key)
     logits, value = network.apply(params, seen)

@@ -88,7 +88,7 @@ def axial_inertia(a: dict[str, Any], b: dict[str, Any]) -> float:
 
 
 def motors_of(scene: Scene) -> list[dict[str, Any]]:
-    """Joints whose motor is driven and can move something."""
+    """Return joints whose motor is driven and can move something."""
     return [
         joint
         for joint in scene["joints"]
@@ -116,7 +116,7 @@ def serve(build: Callable[[Scene, dict[str, Any]], World], version: str) -> None
 
 
 def read_job() -> tuple[dict[str, Any], Path]:
-    """The job and the folder for its answer, from the command line."""
+    """Return the job and the folder for its answer, from the command line."""
     return json.loads(Path(sys.argv[1]).read_text()), Path(sys.argv[2])
 
 

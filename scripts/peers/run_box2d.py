@@ -52,7 +52,7 @@ class Box2dWorld:
             self._world.Step(self._h, self._velocity_iterations, self._position_iterations)
 
     def state(self) -> list[tuple[float, ...]]:
-        """See the protocol."""
+        """Return the poses and velocities, as the protocol asks."""
         return [
             (*body.position, body.angle, *body.linearVelocity, body.angularVelocity)
             for body in self._bodies[: self._scene["recorded"]]

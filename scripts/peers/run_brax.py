@@ -40,7 +40,7 @@ contacts, of which thick boxes have two for every one in the plane."""
 
 
 def model_of(scene: Scene, links: list[Link], timestep: float) -> mujoco.MjModel:
-    """The tree as a model of MuJoCo, which is what Brax reads."""
+    """Return the tree as a model of MuJoCo, which is what Brax reads."""
     spec = empty_spec(scene, timestep)
     bodies = scene["bodies"]
     for index, body in enumerate(bodies):
@@ -63,7 +63,7 @@ def model_of(scene: Scene, links: list[Link], timestep: float) -> mujoco.MjModel
 
 
 def _driven(scene: Scene, links: list[Link]) -> list[str]:
-    """Joints of the model that need an actuator."""
+    """Return joints of the model that need an actuator."""
     motors = [f"t{link.index}" for link in links if _motor(scene, link)]
     pushed = sorted({thruster["body"] for thruster in _thrusters(scene)})
     return [*motors, *(f"{axis}{index}" for index in pushed for axis in "xyt")]
@@ -167,14 +167,14 @@ class BraxScene:
         return self._pipeline.init(given["system"], q, speeds)
 
     def advance(self, given: Any, state: Any) -> Any:
-        """A frame later."""
+        """Advance by one frame."""
         return repeated(functools.partial(self._step, given), state, self._substeps)
 
     def _step(self, given: Any, state: Any) -> Any:
         return self._pipeline.step(given["system"], state, self._actions(given, state))
 
     def seen(self, given: Any, state: Any) -> jax.Array:
-        """See the protocol."""
+        """Return the poses and velocities, as the protocol asks."""
         return jnp.stack([self._row(given, state, index) for index in range(self._recorded)])
 
     def _row(self, given: Any, state: Any, index: int) -> jax.Array:
@@ -207,7 +207,7 @@ class BraxScene:
 
 
 def _sayable(scene: Scene, pipeline: str) -> list[Link]:
-    """The tree of a scene that Brax has words for.
+    """Return the tree of a scene that Brax has words for.
 
     Raises:
         UnsaidError: It has none.

@@ -22,7 +22,7 @@ MODES = {"ghost": 0, "normal": 1, "always": 2}
 
 
 def static_of(scenes: list[Scene], iterations: int) -> StaticSimParams:
-    """The least capacities that all scenes fit in and that the engine can be made with.
+    """Return the least capacities that all scenes fit in and that the engine can be made with.
 
     It needs one candidate pair of every kind, so two circles, and two polygons that may meet.
     """
@@ -48,7 +48,7 @@ def _leading_fixed(scene: Scene) -> int:
 
 
 def params_of(scene: Scene, substeps: int) -> SimParams:
-    """Its defaults without clips."""
+    """Return Jax2D's default parameters, without clips."""
     return SimParams(
         dt=scene["dt"] / substeps,
         clip_position=NO_CLIP,
@@ -58,7 +58,7 @@ def params_of(scene: Scene, substeps: int) -> SimParams:
 
 
 def slots_of(scene: Scene, static: StaticSimParams) -> list[int]:
-    """Index of every body: polygons first, circles from `num_polygons` on."""
+    """Return the index of every body: polygons first, circles from `num_polygons` on."""
     polygon, circle, slots = 0, static.num_polygons, []
     for body in scene["bodies"]:
         if "vertices" in body:
@@ -71,7 +71,7 @@ def slots_of(scene: Scene, static: StaticSimParams) -> list[int]:
 
 
 def state_of(scene: Scene, static: StaticSimParams) -> Any:
-    """A scene as its state, from its own empty one."""
+    """Return a scene as its state, from its own empty one."""
     state = jax.tree.map(
         np.array, create_empty_sim(static, add_floor=False, add_walls_and_ceiling=False)
     )
@@ -137,7 +137,7 @@ def _put_thrusters(thrusters: Any, scene: Scene, slots: list[int]) -> None:
 
 
 def actions_of(scene: Scene, static: StaticSimParams) -> np.ndarray:
-    """The constant action: motors, then thrusters."""
+    """Return the constant action: motors, then thrusters."""
     return np.array(
         [scene["motor"]] * static.num_joints + [scene["thruster"]] * static.num_thrusters,
         np.float32,
@@ -187,7 +187,7 @@ def rollout(step: Any, states: Any, params: Any, actions: jax.Array, steps: int)
 
 
 def record(job: dict[str, Any]) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
-    """All sets, each in one program."""
+    """Return all sets, each in one program."""
     motions = {}
     settings = job["settings"]
     for name, scenes in job["sets"].items():

@@ -35,7 +35,7 @@ def levels_of(files: list[str], batch: int) -> tuple[list[Any], Any, Any]:
 
 
 def environment_loop(static: Any, params: Any, batch: int) -> tuple[Any, Any]:
-    """A loop of env.step, and the actions."""
+    """Return a loop of env.step, and the actions."""
     env = make_kinetix_env(
         action_type=ActionType.MULTI_DISCRETE,
         observation_type=ObservationType.SYMBOLIC_FLAT,
@@ -64,7 +64,7 @@ def environment_loop(static: Any, params: Any, batch: int) -> tuple[Any, Any]:
 
 
 def engine_loop(static: Any, params: Any, batch: int) -> tuple[Any, Any]:
-    """A loop of the bare engine's step, and the actions."""
+    """Return a loop of the bare engine's step, and the actions."""
     env = make_kinetix_env(
         action_type=ActionType.MULTI_DISCRETE,
         observation_type=ObservationType.SYMBOLIC_FLAT,

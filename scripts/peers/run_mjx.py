@@ -44,7 +44,7 @@ class MjxScene:
         return data.replace(qvel=jnp.asarray(given["speeds"]))
 
     def advance(self, given: Any, state: Any) -> Any:
-        """A frame later."""
+        """Advance by one frame."""
         return repeated(functools.partial(self._step, given), state, self._substeps)
 
     def _step(self, given: Any, state: Any) -> Any:
@@ -53,7 +53,7 @@ class MjxScene:
         return mjx.step(given["model"], state)
 
     def seen(self, given: Any, state: Any) -> jax.Array:
-        """See the protocol."""
+        """Return the poses and velocities, as the protocol asks."""
         return self._every(given, state)[: self._scene["recorded"]]
 
     def _every(self, given: Any, state: Any) -> jax.Array:

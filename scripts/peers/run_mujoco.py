@@ -33,7 +33,7 @@ class MujocoWorld:
             mujoco.mj_step(self._model, self._data)
 
     def state(self) -> list[tuple[float, ...]]:
-        """See the protocol."""
+        """Return the poses and velocities, as the protocol asks."""
         return [self._seen(index) for index in range(self._scene["recorded"])]
 
     def _seen(self, index: int) -> tuple[float, ...]:

@@ -54,7 +54,7 @@ class ChipmunkWorld:
             self._space.step(self._h)
 
     def state(self) -> list[tuple[float, ...]]:
-        """See the protocol."""
+        """Return the poses and velocities, as the protocol asks."""
         return [
             (*body.position, body.angle, *body.velocity, body.angular_velocity)
             for body in self._bodies[: self._scene["recorded"]]

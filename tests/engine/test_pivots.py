@@ -81,4 +81,5 @@ def test_a_small_bob_swings_as_long_as_a_rod(physics: str):
 @pytest.mark.parametrize("physics", ["balanced", "accurate"])
 def test_a_loaded_chain_round_a_post_gets_no_energy_from_it(physics: str):
     found = metrics_of(SCENES["U22"], PRESETS[physics], physics)
-    assert {metric.verdict for metric in found} <= {"good", "ok", None}
+    verdicts = {metric.verdict for metric in found} - {None}
+    assert verdicts and verdicts <= {"good", "ok"}

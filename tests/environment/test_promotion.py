@@ -2,6 +2,7 @@
 
 import jax
 import jax.numpy as jnp
+import numpy as np
 import pytest
 
 import kinetix
@@ -31,7 +32,8 @@ def test_random_levels_are_played(action):
 
 
 def test_a_run_from_python():
-    assert kinetix.simulate("s/goalkeeper", seconds=0.05) is not None
+    run = kinetix.simulate("s/goalkeeper", seconds=0.05)
+    assert np.isfinite(run.position).all() and len(run.position) == len(run.time) > 1
 
 
 def test_random_levels_are_drawn_where_numbers_are_no_keys():

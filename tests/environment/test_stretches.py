@@ -1,6 +1,8 @@
 """The search by stretches: what counts as won and as lost, and where batch and truth differ."""
 
 import dataclasses
+import itertools
+from typing import Any
 
 import jax
 import jax.numpy as jnp
@@ -59,11 +61,22 @@ def test_a_plan_that_wins_in_the_batch_only_is_followed_to_a_real_win(task: Task
     assert len(last.actions) < 256
 
 
-def test_where_nothing_wins_alone_the_search_begins_again(task: Task) -> None:
-    """It neither hangs nor takes a batch's word for it."""
+def test_where_nothing_wins_alone_the_search_begins_again(
+    task: Task, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """It goes on for ever, from the start again and again, and never reports a win."""
+    starts: list[float] = []
+
+    def noted(task: Task, start: Any, *rest: Any) -> module.Round:
+        starts.append(float(start))
+        return one_pass(task, start, *rest)
+
+    one_pass = module._pass
+    monkeypatch.setattr(module, "_pass", noted)
     never = dataclasses.replace(task, wins=lambda actions: False)
-    rounds = [found for found, _ in zip(stretches(never), range(30), strict=False)]
-    assert all(found.actions is None for found in rounds)
+    rounds = list(itertools.islice(stretches(never), 30))
+    assert len(rounds) == 30 and all(found.actions is None for found in rounds)
+    assert starts.count(0.0) > 1 and max(starts) > 0
 
 
 def lava() -> Level:

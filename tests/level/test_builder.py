@@ -7,7 +7,7 @@ import pytest
 
 import kinetix
 from kinetix.errors import LevelError
-from kinetix.level.geometry import to_world, world_vertices
+from kinetix.level.geometry import body_mass, to_world, world_vertices
 from kinetix.level.model import Level, Limits, Motor
 from kinetix.level.validate import has_errors, validate
 
@@ -199,5 +199,8 @@ def test_a_level_can_be_added_to(tmp_path):
 
 def test_what_is_added_has_its_mass_as_the_level_says(tmp_path):
     model = kinetix.LevelBuilder.from_level(Level(name="x", inertia_model="kinetix"))
-    model.polygon([(1, 1), (2, 1), (2, 1.5), (1, 2)])
+    added = model.polygon([(1, 1), (2, 1), (2, 1.5), (1, 2)])
     kinetix.save_level(model.build(), tmp_path / "x.json")
+    body = kinetix.load_level(tmp_path / "x.json").body(added)
+    mass, _ = body_mass(body, "kinetix")
+    assert mass == pytest.approx(0.75 * body.density)

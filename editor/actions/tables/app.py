@@ -28,7 +28,7 @@ APP: Final = (
         label="Documentation",
         menu="Help",
         group="help",
-        tooltip="Where the documents lie.",
+        tooltip="Opens the folder of the documents.",
         enabled=lambda session: bool(about.documents()),
         refusal="There are no documents beside this installation.",
         run=about.show_documents,
@@ -39,7 +39,7 @@ APP: Final = (
         menu="Help",
         keys=("f10",),
         seen=True,
-        tooltip="Arrows go through the menus, Enter chooses, Esc closes.",
+        tooltip="Arrow keys go through the menus, Enter chooses, Esc closes.",
         run=view.open_menu,
     ),
     Action(

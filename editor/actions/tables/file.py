@@ -59,7 +59,7 @@ FILE: Final = (
             tooltip=tooltip,
             enabled=enabled,
             passing=True,
-            refusal="The file has not been changed from outside, or cannot be read now.",
+            refusal="No other program has changed the file, or it cannot be read now.",
             run=run,
         )
         for name, label, tooltip, enabled, run in (
@@ -101,7 +101,7 @@ FILE: Final = (
         label="Stop the Export",
         menu="File",
         group="export",
-        tooltip="What is being written now, or waits for it, is left out.",
+        tooltip="Cancels exports that are being written or waiting.",
         enabled=lambda session: bool(export.writing(session)),
         passing=True,
         refusal="Nothing is being exported.",
@@ -132,7 +132,7 @@ FILE: Final = (
         label="Bring Back Discarded Work",
         menu="File",
         group="close",
-        tooltip="Unsaved work that was discarded at the start, out of the trash.",
+        tooltip="Brings unsaved work that was discarded at the start back from the trash.",
         enabled=recover.can_bring_back,
         passing=True,
         refusal="No unsaved work was discarded.",

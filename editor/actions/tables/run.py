@@ -61,7 +61,7 @@ RUN: Final = (
         keys=("-",),
         context=PLAY,
         enabled=lambda session: session.playback.speed > SPEEDS[0],
-        refusal="It plays as slowly as it can already.",
+        refusal="This is the slowest speed.",
         run=play.slower,
     ),
     Action(
@@ -72,7 +72,7 @@ RUN: Final = (
         keys=("=",),
         context=PLAY,
         enabled=lambda session: session.playback.speed < SPEEDS[-1],
-        refusal="It plays as fast as it can already.",
+        refusal="This is the highest speed.",
         run=play.faster,
     ),
     Action(

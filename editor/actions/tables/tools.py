@@ -54,7 +54,7 @@ TOOL_ACTIONS: Final = (
         keys=("return",),
         context=EDIT,
         variants=("enter",),
-        tooltip="Of usual size, with the tool Rectangle, Circle or Triangle: without a mouse.",
+        tooltip="Places a shape of standard size with the current tool, without a mouse.",
         enabled=placing.can_place,
         refusal="Take Rectangle, Circle or Triangle first.",
         run=placing.place,
@@ -92,7 +92,7 @@ SWITCHES: Final = tuple(
             "run.restart_automatically",
             "Restart Automatically",
             "Run",
-            "Start anew a second after the end.",
+            "Restart one second after the end.",
             "restart_automatically",
         ),
     )

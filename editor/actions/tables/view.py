@@ -178,7 +178,7 @@ VIEW: Final = (
         menu="View",
         group="layout",
         context=Context.LEVEL,
-        tooltip="Where the panels are now, under a name.",
+        tooltip="Saves the arrangement of the panels under a name.",
         run=view.keep_layout,
     ),
     Action(

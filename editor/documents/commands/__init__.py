@@ -1,1 +1,1 @@
-"""Editor."""
+"""Edits of a level: one frozen command per kind of edit."""

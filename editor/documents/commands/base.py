@@ -29,14 +29,14 @@ class Command(Protocol):
         ...
 
     def apply(self, level: Level) -> Level:
-        """The level after the edit; the same object when nothing changes.
+        """Return the level after the edit; the same object when nothing changes.
 
         Raises:
-            CommandError: It cannot be done; the sentence is for the status bar.
+            CommandError: The edit cannot be done; the message is for the status bar.
         """
         ...
 
 
 def count_label(verb: str, count: int, noun: str) -> str:
-    """A label that counts: `Move shape`, `Move 3 shapes`."""
+    """Return a label that counts: `Move shape`, `Move 3 shapes`."""
     return f"{verb} {noun}" if count == 1 else f"{verb} {count} {noun}s"

@@ -39,7 +39,7 @@ class Poses(Protocol):
 
 
 def posed(level: Level, poses: Poses) -> Level:
-    """The level with its bodies where a simulation has put them."""
+    """Return the level with its bodies where a simulation has put them."""
     rows = zip(
         level.bodies,
         poses.position.tolist(),

@@ -50,7 +50,7 @@ class Clip(Record, frozen=True, kw_only=True):
 
 
 def copied(level: Level, selection: Selection) -> Clip:
-    """The sub-graph of a selection: its bodies with everything that hangs only on them.
+    """Return the sub-graph of a selection: its bodies with all joints and thrusters between them.
 
     A selection without bodies copies the selected joints and thrusters themselves, which serve as
     the source of pasted properties.
@@ -73,7 +73,7 @@ def copied(level: Level, selection: Selection) -> Clip:
 
 
 def dumps(clip: Clip) -> str:
-    """The clip as text for the system's clipboard."""
+    """Return the clip as text for the system's clipboard."""
     return msgspec.json.encode(clip).decode()
 
 
@@ -92,10 +92,10 @@ def loads(text: str) -> Clip:
 
 
 def loads_level(text: str) -> Level | None:
-    """Read the text of a level's file; None where it is none.
+    """Read the text of a level's file; None if it is something else.
 
     Raises:
-        CommandError: It is one that cannot be read.
+        CommandError: The text is a level's file that cannot be read.
     """
     if FORMAT in text[:200] or not any(mark in text for mark in _LEVEL_MARKS):
         return None
@@ -149,11 +149,11 @@ class Paste:
 
     @property
     def label(self) -> str:
-        """Counts."""
+        """Label with the number of items."""
         return count_label(self.verb, len(self.clip.bodies), "shape")
 
     def apply(self, level: Level) -> Level:
-        """Append the sub-graph; joints to the arena are anchored anew where they now are.
+        """Append the sub-graph; joints to the arena are anchored at their new places.
 
         Raises:
             CommandError: The clip holds no body.
@@ -246,7 +246,7 @@ def _rounded(at: Point) -> Point:
 
 
 def shift_to(clip: Clip, at: Point) -> Point:
-    """The shift that puts the middle of a clip at a point [m]."""
+    """Return the shift that puts the middle of a clip at a point [m]."""
     if not clip.bodies:
         return (0.0, 0.0)
     left, bottom, right, top = bounds_of(clip.bodies)

@@ -45,18 +45,18 @@ _NOISE: Final = 2e-6
 
 @functools.cache
 def field_types(cls: type[Record]) -> dict[str, Any]:
-    """The annotated types of a record's fields, limits and units included."""
+    """Return the annotated types of a record's fields, limits and units included."""
     hints = typing.get_type_hints(cls, include_extras=True)
     return {name: hints[name] for name in cls.__struct_fields__}
 
 
 def read_field(record: Record, path: str) -> Any:
-    """The value of a dotted field; absent motors and limits count as off.
+    """Return the value of a dotted field; absent motors and limits count as off.
 
     `position.x` and `vertices.2` reach into tuples.
 
     Raises:
-        CommandError: There is no such field.
+        CommandError: The record has no such field.
     """
     value: Any = record
     for part in path.split("."):
@@ -70,10 +70,10 @@ def read_field(record: Record, path: str) -> Any:
 
 
 def with_field(record: Record, path: str, value: Any) -> Record:
-    """A copy with a dotted field changed.
+    """Return a copy with a dotted field changed.
 
     Raises:
-        CommandError: There is no such field, or the format does not allow the value.
+        CommandError: The record has no such field, or the format does not allow the value.
     """
     return _changed(record, record, path.split("."), value, path)
 
@@ -155,7 +155,7 @@ def alike(a: Any, b: Any) -> bool:
 
 
 def selected_records(level: Level, selection: Selection) -> list[Record]:
-    """The selected entities and arena bodies."""
+    """Return the selected entities and arena bodies."""
     by_id = _by_id(level)
     return [by_id[entity_id] for entity_id in selection if entity_id in by_id]
 
@@ -194,7 +194,7 @@ class SetField:
 
     @property
     def label(self) -> str:
-        """Says field and value."""
+        """Label with field and value."""
         shown = self.shown or _worded(self.field, self.value)
         name = field_name(self.field)
         return f"{name} → {shown}" if len(shown) <= 24 else f"Change {name.lower()}"
@@ -230,7 +230,7 @@ class AdjustField:
 
     @property
     def label(self) -> str:
-        """Says field and change."""
+        """Label with field and change."""
         return f"{field_name(self.field)} {self.shown or self.change}"
 
     @property
@@ -355,7 +355,7 @@ def _holding_as_drawn(level: Level, old: Joint, new: Joint) -> Joint:
     """
     try:
         drawn = relative_angle(level, new)
-    except KeyError:  # A body is missing; the problems panel says so.
+    except KeyError:  # A body is missing; the problems panel reports it.
         return new
     if new.kind == "fixed":
         begins = old.kind != "fixed"
@@ -379,7 +379,7 @@ class SetLevelField:
 
     @property
     def label(self) -> str:
-        """Names the field."""
+        """Label with the name of the field."""
         return f"Change {self.field.split('.')[0].replace('_', ' ')}"
 
     @property
@@ -391,7 +391,7 @@ class SetLevelField:
         """Set the field.
 
         Raises:
-            CommandError: There is no such field, or the format does not allow the value.
+            CommandError: The entity has no such field, or the format does not allow the value.
         """
         head = self.field.split(".")[0]
         if head in ("bodies", "joints", "thrusters", "solution"):
@@ -411,7 +411,7 @@ class PasteProperties:
 
     @property
     def label(self) -> str:
-        """Counts."""
+        """Label with the number of items."""
         return count_label("Paste properties on", len(self.ids), "item")
 
     def apply(self, level: Level) -> Level:

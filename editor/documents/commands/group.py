@@ -52,12 +52,12 @@ class Move:
 
     ids: Selection
     shift: Point
-    """[m]"""
+    """Displacement of every body [m]."""
     merge_key: Hashable | None = None
 
     @property
     def label(self) -> str:
-        """Counts."""
+        """Label with the number of items."""
         return count_label("Move", len(self.ids), "shape")
 
     def apply(self, level: Level) -> Level:
@@ -117,7 +117,7 @@ class Rotate:
 
     @property
     def label(self) -> str:
-        """Counts."""
+        """Label with the number of items."""
         return count_label("Rotate", len(self.ids), "shape")
 
     def apply(self, level: Level) -> Level:
@@ -144,7 +144,7 @@ class Rotate:
 
 
 def centroid(bodies: list[Body]) -> Point:
-    """Mean of the bodies' positions [m]."""
+    """Return the mean of the bodies' positions [m]."""
     count = len(bodies)
     return (
         sum(body.position[0] for body in bodies) / count,
@@ -159,12 +159,12 @@ class Scale:
     ids: Selection
     factor: float
     pivot: Point
-    """[m]"""
+    """Point that stays in place [m]."""
     merge_key: Hashable | None = None
 
     @property
     def label(self) -> str:
-        """Counts."""
+        """Label with the number of items."""
         return count_label("Scale", len(self.ids), "shape")
 
     def apply(self, level: Level) -> Level:
@@ -200,14 +200,14 @@ class Stretch:
 
     @property
     def label(self) -> str:
-        """Fixed."""
+        """Label of the edit in menus and history."""
         return "Resize shape"
 
     def apply(self, level: Level) -> Level:
         """Scale the body.
 
         Raises:
-            CommandError: There is no such body, or a factor is not positive.
+            CommandError: The body does not exist, or a factor is not positive.
         """
         body = _chosen(level, (self.body,))[0]
         if not min(self.factors) > 0:
@@ -254,14 +254,14 @@ class SetVertices:
 
     @property
     def label(self) -> str:
-        """Fixed."""
+        """Label of the edit in menus and history."""
         return "Move vertex"
 
     def apply(self, level: Level) -> Level:
         """Reshape the polygon; anchors and thrusters stay where they are in the world.
 
         Raises:
-            CommandError: There is no such body, or it would not be a convex polygon any more.
+            CommandError: The body does not exist, or would no longer be a convex polygon.
         """
         old = _chosen(level, (self.body,))[0]
         fault = polygon_fault(self.vertices)
@@ -281,7 +281,7 @@ class Mirror:
 
     @property
     def label(self) -> str:
-        """Says the direction."""
+        """Label with the direction."""
         return "Mirror left–right" if self.axis == "x" else "Mirror up–down"
 
     def apply(self, level: Level) -> Level:
@@ -318,7 +318,7 @@ class Mirror:
 def _joint_image(
     joint: Joint, axis: Axis, ids: Set[int], resting: Mapping[BodyReference, float]
 ) -> Joint:
-    """The mirror image of a joint of mirrored bodies, as far from its limits as it was."""
+    """Return the mirror image of a joint of mirrored bodies, as far from its limits as it was."""
     ends: list[End] = [end for end in BOTH if getattr(joint, end) in ids]
     if not ends:
         return joint
@@ -338,7 +338,7 @@ class Reorder:
 
     @property
     def label(self) -> str:
-        """Says the direction."""
+        """Label with the direction."""
         return "Bring forward" if self.step == 1 else "Send back"
 
     def apply(self, level: Level) -> Level:
@@ -368,7 +368,7 @@ class Remove:
 
     @property
     def label(self) -> str:
-        """Counts."""
+        """Label with the number of items."""
         return count_label("Delete", len(self.ids), "item")
 
     def apply(self, level: Level) -> Level:
@@ -386,7 +386,7 @@ def _ids(reference: EntityId) -> tuple[int, ...]:
 
 
 def polygon_body(vertices: tuple[Point, ...], level: Level, like: Body | None = None) -> Body:
-    """A polygon body with these world corners, turned counter-clockwise.
+    """Return a polygon body with these world corners, turned counter-clockwise.
 
     Args:
         vertices: Corners in the world [m].

@@ -33,7 +33,7 @@ def drawing_rank(level: Level, reference: BodyReference) -> tuple[int, int]:
 def joint_between(
     level: Level, bodies: tuple[BodyReference, BodyReference], point: Point, kind: JointKind
 ) -> Joint:
-    """A new joint of two bodies at a world point; the lower body is `a`.
+    """Return a new joint of two bodies at a world point; the lower body is `a`.
 
     Raises:
         CommandError: A body is missing, or both are the same.
@@ -88,14 +88,14 @@ class MoveJoint:
 
     @property
     def label(self) -> str:
-        """Fixed."""
+        """Label of the edit in menus and history."""
         return "Move joint"
 
     def apply(self, level: Level) -> Level:
         """Set both anchors.
 
         Raises:
-            CommandError: There is no such joint.
+            CommandError: The joint does not exist.
         """
         return _with_joint(level, self.joint, lambda joint: self._moved(level, joint))
 
@@ -120,14 +120,14 @@ class RehangJoint:
 
     @property
     def label(self) -> str:
-        """Fixed."""
+        """Label of the edit in menus and history."""
         return "Move joint to other bodies"
 
     def apply(self, level: Level) -> Level:
         """Join the other bodies.
 
         Raises:
-            CommandError: There is no such joint, a body is missing, or both are the same.
+            CommandError: The joint or a body does not exist, or both bodies are the same.
         """
 
         def rehung(joint: Joint) -> Joint:
@@ -154,14 +154,14 @@ class ReassignJoint:
 
     @property
     def label(self) -> str:
-        """Fixed."""
+        """Label of the edit in menus and history."""
         return f"Change body {self.end.upper()} of joint"
 
     def apply(self, level: Level) -> Level:
         """Change one end.
 
         Raises:
-            CommandError: There is no such joint, or both ends would be the same body.
+            CommandError: The joint does not exist, or both ends would be the same body.
         """
         return _with_joint(level, self.joint, lambda joint: self._reassigned(level, joint))
 
@@ -185,7 +185,7 @@ class Reanchor:
 
     @property
     def label(self) -> str:
-        """Fixed."""
+        """Label of the edit in menus and history."""
         return "Re-anchor joint"
 
     def apply(self, level: Level) -> Level:
@@ -207,7 +207,7 @@ class HoldAsDrawn:
 
     @property
     def label(self) -> str:
-        """Fixed."""
+        """Label of the edit in menus and history."""
         return "Hold as drawn"
 
     def apply(self, level: Level) -> Level:
@@ -228,7 +228,7 @@ class WidenLimits:
 
     @property
     def label(self) -> str:
-        """Fixed."""
+        """Label of the edit in menus and history."""
         return "Widen limits"
 
     def apply(self, level: Level) -> Level:

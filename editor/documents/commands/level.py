@@ -20,12 +20,12 @@ class ReplaceLevel:
     merge_key: Hashable | None = None
 
     def apply(self, level: Level) -> Level:
-        """The other level; the id counter never falls."""
+        """Return the other level; the id counter never falls."""
         return self.level.replace(next_id=max(level.next_id, self.level.next_id))
 
 
 def renumbered(level: Level, new: dict[int, int]) -> Level:
-    """The level with other ids; `new` names every old one."""
+    """Return the level with other ids; `new` names every old one."""
 
     def end(reference: int | str) -> int | str:
         return reference if isinstance(reference, str) else new[reference]

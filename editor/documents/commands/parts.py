@@ -74,7 +74,7 @@ def arm() -> Clip:
 
 
 def _chain(count: int, length: float, thickness: float, *, posts: int) -> Clip:
-    """Return links in a row, without motors, that hang on one fixed post or on two.
+    """Return links in a row, without motors, attached to one fixed post or to two.
 
     Args:
         count: How many links.
@@ -100,7 +100,7 @@ PARTS: Final[dict[str, tuple[str, str, Callable[[], Clip]]]] = {
     "arm": ("Arm", "Two links on a fixed foot, a key and limits for each joint.", arm),
     "rope": (
         "Rope",
-        "Eight free links that hang on a fixed point.",
+        "Eight free links attached to a fixed point.",
         functools.partial(_chain, 8, 0.15, 0.05, posts=1),
     ),
     "bridge": (

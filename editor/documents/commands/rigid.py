@@ -35,17 +35,17 @@ def joined(level: Level, ids: Collection[EntityId]) -> list[set[int]]:
 
 
 def with_bodies(level: Level, ids: Collection[EntityId], change: Callable[[Body], Body]) -> Level:
-    """The level with some of its bodies changed."""
+    """Return the level with some of its bodies changed."""
     return level.replace(
         bodies=tuple(change(body) if body.id in ids else body for body in level.bodies)
     )
 
 
 def unwound(before: Level, after: Level, ids: Collection[EntityId]) -> Level:
-    """The level after bodies were turned, without the whole turns that they have come round.
+    """Return the level after bodies were turned, without the whole turns that they made.
 
-    The eye does not see them, but a hinge with limits counts them. What is joined together loses
-    them together.
+    Whole turns are invisible, but joint limits count them; all bodies of a component lose the same
+    number.
     """
     turns: dict[int, int] = {}
     for piece in joined(before, ids):

@@ -39,7 +39,7 @@ class SetExtent:
 
     @property
     def label(self) -> str:
-        """Counts."""
+        """Label with the number of items."""
         verb = "Change width of" if self.axis == 0 else "Change height of"
         return count_label(verb, len(self.ids), "shape")
 
@@ -89,10 +89,10 @@ class ResetExtent:
         return f"Reset {'height' if self.axis else 'width'}"
 
     def apply(self, level: Level) -> Level:
-        """Resize them.
+        """Resize the bodies.
 
         Raises:
-            CommandError: A size is none that a shape can have.
+            CommandError: No shape can have the size.
         """
         for body, value in self.rows:
             change = Change(amount=value)
@@ -108,11 +108,11 @@ class SetCorner:
     corner: int
     axis: Axis
     value: float
-    """[m]"""
+    """New coordinate [m]."""
 
     @property
     def label(self) -> str:
-        """Names the corner."""
+        """Label with the number of the corner."""
         return f"Move corner {self.corner + 1}"
 
     @property
@@ -124,7 +124,7 @@ class SetCorner:
         """Reshape the polygon.
 
         Raises:
-            CommandError: It would not be a convex polygon any more.
+            CommandError: The body would no longer be a convex polygon.
         """
         body = level.body(self.body)
         assert not isinstance(body.shape, Circle)
@@ -147,7 +147,7 @@ class ResetCorners:
 
     @property
     def label(self) -> str:
-        """Fixed."""
+        """Label of the edit in menus and history."""
         return "Reset corners"
 
     def apply(self, level: Level) -> Level:
@@ -160,7 +160,7 @@ class ResetCorners:
 
 
 def _offset(shape: Polygon, other: Polygon) -> Point:
-    """The shift of a shape that brings most of its corners onto those of the other [m].
+    """Return the shift of a shape that brings most of its corners onto those of the other [m].
 
     (0, 0) where at most one corner would meet: that is always possible.
     """

@@ -23,7 +23,7 @@ def default_power(body: Body, inertia_model: InertiaModel) -> float:
 
 
 def next_binding(level: Level) -> int:
-    """The first thruster channel that nothing uses yet, else the first."""
+    """Return the first thruster channel that nothing uses yet, else the first."""
     used = {thruster.binding for thruster in level.thrusters}
     return next((k for k in range(THRUSTER_BINDINGS) if k not in used), 0)
 
@@ -41,14 +41,14 @@ class AddThruster:
 
     @property
     def label(self) -> str:
-        """Fixed."""
+        """Label of the edit in menus and history."""
         return "Add thruster"
 
     def apply(self, level: Level) -> Level:
         """Append the thruster.
 
         Raises:
-            CommandError: There is no such body.
+            CommandError: The body does not exist.
         """
         try:
             body = level.body(self.body)
@@ -75,19 +75,19 @@ class PlaceThruster:
     direction: float | None = None
     """[rad], in the world."""
     body: int | None = None
-    """What it pushes from now on; it pushes the same way there."""
+    """Body that it pushes from now on; it pushes the same way there."""
     merge_key: Hashable | None = None
 
     @property
     def label(self) -> str:
-        """Says which."""
+        """Label of aiming or moving."""
         return "Aim thruster" if self.point is None else "Move thruster"
 
     def apply(self, level: Level) -> Level:
         """Change the thruster.
 
         Raises:
-            CommandError: There is no such thruster.
+            CommandError: The thruster does not exist.
         """
         if all(thruster.id != self.thruster for thruster in level.thrusters):
             raise CommandError(f"There is no thruster {self.thruster}.")

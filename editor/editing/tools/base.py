@@ -121,7 +121,7 @@ class ToolContext(Protocol):
         ...
 
     def complain(self, text: str) -> None:
-        """Say why something was not done."""
+        """Report why something was not done."""
         ...
 
 
@@ -232,8 +232,8 @@ class Driver:
     def settle(self) -> None:
         """End the gesture before another edit of its level.
 
-        A drag is kept where it is, clicks that have not made anything yet are dropped; a press that
-        has moved nothing goes on.
+        A drag is kept where it is; unfinished click sequences are cancelled; a press without
+        movement stays active.
         """
         if self._gesture is None or inspect.getgeneratorstate(self._gesture) == inspect.GEN_RUNNING:
             return

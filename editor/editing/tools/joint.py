@@ -101,7 +101,7 @@ class JointTool(Tool):
         return snap_point(event.world, rules, session.targets()).point
 
     def _hub(self, session: ToolContext, point: Point) -> Point | None:
-        """Centre of the uppermost wheel that a point lies near the middle of.
+        """Return the centre of the uppermost wheel that a point lies near the middle of.
 
         A wheel that turns about another point wobbles.
         """
@@ -145,7 +145,7 @@ class WeldTool(JointTool):
 def pair_marks(
     level: Level, pair: tuple[BodyReference, BodyReference], point: Point
 ) -> tuple[Mark, ...]:
-    """The two bodies of a joint and its anchor: A solid, B dashed."""
+    """Return the two bodies of a joint and its anchor: A solid, B dashed."""
     marks: list[Mark] = []
     for reference, style in zip(pair, (Style.BODY_A, Style.BODY_B), strict=True):
         body = referenced_body(level, reference)

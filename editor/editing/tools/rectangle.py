@@ -15,7 +15,7 @@ SIDE_MIN: Final = 0.02
 
 
 def rectangle(width: float, height: float) -> Polygon:
-    """A rectangle around the origin, counter-clockwise from the upper right corner."""
+    """Return a rectangle around the origin, counter-clockwise from the upper right corner."""
     x, y = width / 2, height / 2
     return Polygon(vertices=((x, y), (-x, y), (-x, -y), (x, -y)))
 
@@ -23,7 +23,7 @@ def rectangle(width: float, height: float) -> Polygon:
 def dragged_box(
     start: Point, end: Point, *, square: bool, centred: bool, typed: tuple[float, ...]
 ) -> tuple[Point, float, float]:
-    """Centre, width and height of the rectangle between two points."""
+    """Return centre, width and height of the rectangle between two points."""
     dx, dy = end[0] - start[0], end[1] - start[1]
     if square:
         side = max(abs(dx), abs(dy))

@@ -48,12 +48,12 @@ class ThrusterTool(Tool):
 
     id = "thruster"
     label = "Thruster"
-    hint = "Press on a shape and drag where it shall be pushed. Ctrl: any angle."
+    hint = "Press on a shape and drag in the direction of the push. Ctrl: any angle."
     click_click = True
     creates = True
 
     def hover(self, session: ToolContext, event: PointerEvent) -> Feedback:
-        """Say whether there is something to push."""
+        """Report whether there is something to push."""
         if self._body(session, event.world) is None:
             return Feedback(hint=NO_BODY, cursor=Cursor.REFUSED)
         return Feedback(cursor=Cursor.CROSS)

@@ -21,7 +21,7 @@ class Row:
 
 
 def crowded_level() -> Level:
-    """A level with 50 entities: 36 bodies, 10 joints, 4 thrusters."""
+    """Return a level with 50 entities: 36 bodies, 10 joints, 4 thrusters."""
     bodies, joints, thrusters = [], [], []
     square = ((-0.15, -0.15), (0.15, -0.15), (0.15, 0.15), (-0.15, 0.15))
     for k in range(36):

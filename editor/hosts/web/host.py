@@ -83,7 +83,7 @@ class WebHost(OffscreenHost):
 
         Args:
             session: The app.
-            size: Size until a page says its own [px].
+            size: Size until a page reports its own [px].
             scale: Scale of the interface; None: as dense as the page's screen is.
             address: What to listen on.
             port: The port; None: 8570, or a free one where that is taken.
@@ -118,7 +118,7 @@ class WebHost(OffscreenHost):
             self._outlet.show(self._pictures.read(*self.size))
 
     def poll(self, timeout: float = 0.0) -> list[events.InputEvent]:
-        """Return what the page said; waits up to `timeout` seconds for it."""
+        """Return the page's events; waits up to `timeout` seconds for them."""
         said: list[Message] = []
         try:
             said += self._said.get(timeout=timeout) if timeout > 0 else self._said.get_nowait()
@@ -130,7 +130,7 @@ class WebHost(OffscreenHost):
         return self._inputs(said)
 
     def _take(self, messages: list[Message]) -> None:
-        """Take what the page said, in the server's threads."""
+        """Take the page's messages, in the server's threads."""
         for message in messages:
             if isinstance(message, Drawn):
                 self._outlet.drawn(message.number)
@@ -217,7 +217,7 @@ class WebHost(OffscreenHost):
             self._outlet.tell("full", self._fullscreen, lasting=False)
 
     def screenshot(self) -> np.ndarray:
-        """See `PygameHost.screenshot`."""
+        """Return the window's picture, as `PygameHost.screenshot` does."""
         return self._pictures.read(*self.size)
 
     def close(self) -> None:

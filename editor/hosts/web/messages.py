@@ -190,13 +190,13 @@ _READ: Final[dict[str, Callable[..., Message | None]]] = {
 
 
 def read(said: object) -> tuple[list[Message], list[KinetixError]]:
-    """Return what the page said, as events, and what of it is refused.
+    """Return the page's messages as events, and those that are refused.
 
     Args:
         said: A list of messages, each a list of its name and its values.
 
     Raises:
-        KinetixError: It is none.
+        KinetixError: The text is not a message of the page.
     """
     if not isinstance(said, list):
         raise KinetixError("input: expected a list of messages")

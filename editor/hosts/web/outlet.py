@@ -16,7 +16,7 @@ _REST: Final = 0.2
 _HEARTBEAT: Final = 2.0
 """Longest silence [s]: writing is how a page that is gone is noticed."""
 _PARTING: Final = 20.0
-"""Time that the last messages get to leave; only a page that takes nothing needs all of it [s]."""
+"""Longest time for sending the last messages at shutdown [s]."""
 _DRAWN_WITHIN: Final = 10.0
 """A page in the background draws nothing; after this time the next picture goes out anyway [s]."""
 
@@ -87,7 +87,7 @@ class Outlet:
 
         Args:
             name: What it is about.
-            value: Anything that JSON can say.
+            value: Any JSON value.
             lasting: Whether a page that is opened later has to know it.
         """
         with self._changed:
@@ -107,7 +107,7 @@ class Outlet:
         self._wake()
 
     def attach(self) -> int:
-        """Begin anew with a page; returns the connection's number for `packets`."""
+        """Start over with a page; returns the connection's number for `packets`."""
         with self._changed:
             self._connections += 1
             self._viewing = self._connections
@@ -131,7 +131,7 @@ class Outlet:
         return present
 
     def finish(self) -> None:
-        """Let what was said last go out, then end."""
+        """Send the last messages, then end."""
         with self._changed:
             ends = time.monotonic() + _PARTING
             self._changed.wait_for(lambda: not (self._viewing and self._messages), _PARTING)

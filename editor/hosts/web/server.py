@@ -95,7 +95,7 @@ class PageServer:
 
         Args:
             outlet: Where pictures come from.
-            take: Takes what the page says, in any thread.
+            take: Takes the page's messages, in any thread.
             address: What to listen on.
             port: The port; None: 8570, or a free one where that is taken.
 
@@ -129,7 +129,7 @@ class PageServer:
         self._thread.start()
 
     def stop(self) -> None:
-        """Answer no longer."""
+        """Stop answering."""
         if self._thread is not None:
             self._server.shutdown()
         self._server.server_close()
@@ -142,7 +142,7 @@ class _Server(ThreadingHTTPServer):
     page_server: PageServer
 
     def handle_error(self, request: Any, client_address: Any) -> None:
-        """Pass over pages that went away; tell anything else as usual."""
+        """Ignore pages that went away; report anything else as usual."""
         if not isinstance(sys.exception(), OSError):
             super().handle_error(request, client_address)
 

@@ -83,7 +83,7 @@ def beside(width: float, *, gap: float = 14) -> None:
 
     Args:
         width: Of the next item [px at 100 %].
-        gap: Before it, likewise.
+        gap: Space before it, in the same unit.
     """
     edge = imgui.get_cursor_screen_pos().x + imgui.get_content_region_avail().x
     if imgui.get_item_rect_max().x + px(gap + width) <= edge:

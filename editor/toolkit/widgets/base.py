@@ -49,7 +49,7 @@ def labelled(words: str, identity: str) -> str:
 
 
 def px(value: float) -> float:
-    """A length of the design [px at 100 %] at the present scale."""
+    """Return a length of the design [px at 100 %] at the present scale."""
     style = imgui.get_style()
     # Room grows with the text, or words would be cut off.
     return value * style.font_scale_dpi * style.font_scale_main

@@ -111,7 +111,7 @@ def primary_button(session: "Session", name: str, label: str, *, width: float = 
 
 
 def button(session: "Session", name: str, label: str, *, width: float = 0.0) -> bool:
-    """An ordinary button."""
+    """Draw an ordinary button."""
     pressed = imgui.button(labelled(tr(label), name), (width, 0))
     probe(session, name)
     return pressed
@@ -126,7 +126,7 @@ def checkbox(
     mixed: bool = False,
     enabled: bool = True,
 ) -> tuple[bool, bool]:
-    """A box to tick; `mixed` shows a dash. Returns whether it changed, and to what.
+    """Draw a box to tick; `mixed` shows a dash. Returns whether it changed, and to what.
 
     Words that have no room beside the box are broken.
     """
@@ -190,7 +190,7 @@ def choice(
     *,
     preview: str = "",
 ) -> str | None:
-    """A drop-down list.
+    """Draw a drop-down list.
 
     Args:
         session: Whose probe notes it.

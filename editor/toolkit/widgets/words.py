@@ -47,7 +47,7 @@ def own_words(words: str, colour: Rgba | None = None) -> None:
 
 
 def small(words: str, colour: Rgba | None = None) -> None:
-    """Small print."""
+    """Write words in small print."""
     with font(None, SMALL):
         wrapped(words, colour or COLOURS.muted)
 

@@ -1,1 +1,1 @@
-"""Editor."""
+"""The panels of the window: one file per panel."""

@@ -144,14 +144,15 @@ class AgentsPanel(Panel):
         widgets.probe(session, f"agents.checkpoint.{slot}")
         widgets.tooltip(
             "Checkpoint",
-            f"{len(known)} of this run. What plays starts anew: the same level, the same draws.",
+            f"{len(known)} of this run. The episode restarts with the same level and the same "
+            "random numbers.",
         )
         if moved and chosen != place and not session.viewer.slots[slot].loading:
             target = known[chosen]
             session.queue(lambda: agents.show_checkpoint(session, slot, target))
 
     def _known_checkpoints(self, session: "Session", summary: AgentSummary) -> list[Path]:
-        """The run's checkpoints; the disk is asked now and then, not in every frame."""
+        """Return the run's checkpoints; the disk is asked now and then, not in every frame."""
         key, now = summary.ref.path, session.time
         known = self._listed.get(key)
         if known is None or now - known[0] > _LOOK_SECONDS:

@@ -23,7 +23,7 @@ class ControlsPanel(Panel):
     id, title, icon = "controls", "Controls", Icons.controls
 
     def draw(self, session: "Session") -> None:
-        """Draw the rows."""
+        """Draw the rows of controls."""
         level = session.document.shown
         keys = session.control_keys
         used = channels_in_use(level)

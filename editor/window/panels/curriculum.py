@@ -75,7 +75,7 @@ class CurriculumPanel(Panel):
             session.queue("agent.watch_run")
 
     def _time(self, session: "Session", watch: CurriculumWatch, head: PageHead) -> None:
-        """The slider over the pages, and what the page says as a whole."""
+        """Draw the slider over the pages, and the totals of the page."""
         following = watch.wanted is None
         changed, on = widgets.checkbox(session, "curriculum.follow", "Newest", following)
         if changed:
@@ -163,7 +163,7 @@ class CurriculumPanel(Panel):
 
 
 def _facts(listed: ListedLevel, head: PageHead) -> str:
-    """All that is known of a level, for its tooltip."""
+    """Return all that is known of a level, for its tooltip."""
     learnable = "" if listed.learnability is None else f"learnability {listed.learnability:.3f}\n"
     rate = (
         "no episode ended on its last visit"

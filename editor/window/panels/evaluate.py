@@ -37,7 +37,7 @@ _SOURCES: Final = (
 )
 MOST_ATTEMPTS: Final = 1000
 _MOST_WORDS: Final = 60
-"""Letters of the names of agents that are shown; the rest is told by the tooltip."""
+"""Letters of the names of agents that are shown; the tooltip has the rest."""
 _NAMED: Final = 12
 """So many attempts of an ending are named."""
 _ATTEMPTS: Final = 250.0
@@ -91,7 +91,7 @@ class EvaluatePanel(Panel):
             imgui.end_child()
 
     def _head(self, session: "Session") -> None:
-        """Filter and means."""
+        """Draw the filter and the means."""
         imgui.set_next_item_width(px(210))
         form = session.viewer.form
         _, form.wanted = widgets.input_line("wanted", "Filter levels", form.wanted)
@@ -304,7 +304,7 @@ class EvaluatePanel(Panel):
             widgets.muted("Playing the attempts …")
             return
         ways = viewer.ways_of(level, agent)
-        label = "Hide their ways" if ways is not None else "Show their ways"
+        label = "Hide Paths" if ways is not None else "Show Paths"
         if widgets.button(session, "evaluate.ways", label):
             session.queue(lambda: measure.show_paths(session, level, agent))
         widgets.tooltip(label, "Where the green shape went in each attempt, over the level.")
@@ -322,7 +322,7 @@ class EvaluatePanel(Panel):
 
     def _endings(self, session: "Session", ways: Ways) -> None:
         """The attempts grouped by how they end; a click shows one group and opens its first."""
-        widgets.small("They end so; a click opens one where it leaves the wins:")
+        widgets.small("Attempts by outcome. Click one to open it where it leaves the wins:")
         for number, ending in enumerate(ways.paths.endings):
             icon, _, name = OUTCOME_LOOK[ending.outcome]
             x, y = ending.place
@@ -337,7 +337,7 @@ class EvaluatePanel(Panel):
             which = listed(ending.attempts, _NAMED)
             told = f"About {plural(ending.length, 'step')}. Attempts {which}."
             if ending.parting is not None:
-                told += f"\nIt leaves the way of the wins at step {ending.parting}."
+                told += f"\nIt leaves the path of the wins at step {ending.parting}."
             widgets.tooltip(f"{len(ending.attempts)} {ending.outcome}", told)
             if pressed and shown:
                 ways.ending = None

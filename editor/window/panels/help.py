@@ -121,7 +121,7 @@ def _chords(chords: list[str]) -> None:
 
 
 def rows_of(session: "Session", menu: str) -> list[tuple[str, str]]:
-    """Keys and label of every action of a menu that has keys."""
+    """Return keys and label of every action of a menu that has keys."""
     rows = []
     for action in ACTIONS:
         found = chords(session, action)

@@ -62,7 +62,7 @@ class KeysWindow:
         self._clash: _Clash | None = None
 
     def draw(self, session: "Session") -> None:
-        """Draw it."""
+        """Draw the window of keys."""
         if not session.view.keys:
             self._stop(session)
             return

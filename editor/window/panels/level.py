@@ -182,7 +182,7 @@ def _counter(label: str, used: int, limit: int) -> None:
 
 
 def _name(session: "Session", typed: str) -> str | None:
-    """The name that was typed; says so where there is none."""
+    """Return the name that was typed; says so where there is none."""
     name = typed.strip()
     if not name:
         session.toast("A level needs a name.", "warning")
@@ -190,7 +190,7 @@ def _name(session: "Session", typed: str) -> str | None:
 
 
 def _tags(session: "Session", typed: str) -> list[str]:
-    """The tags that were typed; says which words are none."""
+    """Return the tags that were typed; says which words are none."""
     tags, refused = tags_of(typed)
     if refused:
         words = ", ".join(refused)

@@ -245,7 +245,7 @@ def _commit_typed(session: "Session", typing_: _Typing) -> None:
     """Commit what was typed; a value beyond the format's limits stops there, which is said.
 
     Raises:
-        CommandError: It is not a number.
+        CommandError: The text is not a number.
     """
     field, text = typing_.field, typing_.text
     change, info = field.stored(parse(text, field.unit)), field.info

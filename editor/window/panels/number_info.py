@@ -31,7 +31,7 @@ class FieldInfo:
         return DEGREES if self.unit in ("rad", "rad/s") and not radians else 1.0
 
     def shown_unit(self, radians: bool) -> str:
-        """Unit beside the field."""
+        """Return the unit that is shown beside the field."""
         return self.unit if radians else {"rad": "°", "rad/s": "°/s"}.get(self.unit, self.unit)
 
 
@@ -49,7 +49,7 @@ def _stripped(hint: Any) -> Any:
 
 
 def _inner_record(hint: Any, name: str) -> Any:
-    """The record class among the alternatives of a hint that has the field."""
+    """Return the record class among the alternatives of a hint that has the field."""
     hint = _stripped(hint)
     options = typing.get_args(hint) if typing.get_origin(hint) is not None else (hint,)
     for option in map(_stripped, options or (hint,)):
@@ -64,7 +64,7 @@ def field_info(cls: type[Record], path: str) -> FieldInfo:
     """Return the model's facts about a dotted numeric field.
 
     Raises:
-        KeyError: There is no such field.
+        KeyError: The class has no such field.
     """
     head, *rest = path.split(".")
     hint = field_types(cls)[head]

@@ -73,7 +73,7 @@ class Outliner(Panel):
         return self._filter.lower() in words.lower()
 
     def _body(self, session: "Session", body: Body, hanging: "Hanging", scroll: bool) -> bool:
-        """Draw a body and what hangs on it, unless the filter leaves it out; whether it did."""
+        """Draw a body with its joints and thrusters unless it is filtered out; True if drawn."""
         call = session.document.spoken_name_of
         parts = (body, *hanging.joints, *hanging.thrusters)
         if self._filter and not self._shows(" ".join([body.role, *(call(p.id) for p in parts)])):
@@ -234,7 +234,7 @@ class Hanging:
 
 @remembers(2)
 def parts_of(level: Level) -> dict[int, Hanging]:
-    """Return what hangs on each body."""
+    """Return the joints and thrusters of each body."""
     found = {body.id: Hanging() for body in level.bodies}
     for joint in level.joints:
         ends = [e for e in dict.fromkeys((joint.a, joint.b)) if isinstance(e, int) and e in found]

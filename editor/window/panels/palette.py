@@ -211,7 +211,7 @@ def entries(session: "Session") -> list[Entry]:
 
 
 def _actions(session: "Session") -> list[Entry]:
-    """Return the rows of the action table; those that cannot be done say why."""
+    """Return the rows of the action table; disabled ones have the reason."""
     return [
         Entry(
             label=f"Gallery: {action.label}" if _in_gallery(action) else action.label,
@@ -242,7 +242,7 @@ def _files(session: "Session") -> list[Entry]:
 
 
 def scene_entries(session: "Session") -> list[Entry]:
-    """The scenes of the accuracy suite, by id and name."""
+    """Return the scenes of the accuracy suite, by id and name."""
     from kinetix.scenes import SCENES
 
     return [

@@ -57,7 +57,7 @@ def _mind(name: str) -> _Value:
 
 
 def _channel(index: int) -> _Value:
-    """An entry of the action, shifted so that the channels lie one above the other."""
+    """Return an entry of the action, shifted so that the channels lie one above the other."""
 
     def value(snapshot: Snapshot) -> float:
         played = snapshot.action[index] if index < len(snapshot.action) else 0.0
@@ -135,7 +135,7 @@ class _Curve:
         self._last: Snapshot | None = None
 
     def values(self, value: _Value, moments: Sequence[Snapshot]) -> np.ndarray:
-        """A value a moment; only moments that came since the last call are asked."""
+        """Return a value a moment; only moments that came since the last call are asked."""
         count = len(self._values)
         goes_on = (
             0 < count <= len(moments)

@@ -128,7 +128,7 @@ class PreferencesWindow:
         self._page = next(iter(PAGES))
 
     def draw(self, session: "Session") -> None:
-        """Draw it."""
+        """Draw the window of preferences."""
         if not session.view.preferences:
             return
         with widgets.raised_window("preferences-window", 640, 520):

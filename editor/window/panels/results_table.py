@@ -34,7 +34,7 @@ _CELL: Final = 66.0
 
 
 def _columns(agents: int) -> tuple[Column, ...]:
-    """Columns per agent."""
+    """Return the number of columns per agent."""
     return ("solve_rate", "mean_return", "mean_length") if agents <= MOST_WIDE else ("solve_rate",)
 
 
@@ -75,7 +75,7 @@ class ResultsTable:
         return chosen[1:] if chosen is not None and chosen[0] is plan else None
 
     def draw(self, session: "Session", size: tuple[float, float], wanted: str) -> None:
-        """Draw it.
+        """Draw the table.
 
         Args:
             session: What was evaluated.
@@ -119,7 +119,7 @@ class ResultsTable:
         imgui.end_table()
 
     def _setup(self, plan: Plan, level: float) -> None:
-        """Tell the columns' widths; that of the level's name by the width of a rate."""
+        """Set the columns' widths; that of the level's name by the width of a rate."""
         kind = imgui.TableColumnFlags_
         stretch, agents = kind.width_stretch.value, plan.agents[:MOST_AGENTS]
         imgui.table_setup_column(tr(_HEADS["level"]), kind.default_sort.value | stretch, level)

@@ -59,7 +59,7 @@ class StatusBar:
         return sum(imgui.calc_text_size(part.words).x + px(18) for part in parts)
 
     def _follows_click(self, session: "Session", part: Part) -> None:
-        """Let a click on what is told do what it offers."""
+        """Let a click on the status do what it offers."""
         if not part.action:
             return
         widgets.probe(session, f"status.{part.action}")

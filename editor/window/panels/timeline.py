@@ -196,7 +196,7 @@ class Timeline(Panel):
         imgui.end_tooltip()
 
     def _marks_of(self, moments: Sequence[Snapshot], controls: Mapping[int, str]) -> list[Mark]:
-        """The marks, worked out again only when there is a new moment."""
+        """Return the marks, worked out again only when there is a new moment."""
         known = (moments[0], moments[-1], len(moments))
         if len(known) != len(self._known) or any(
             a is not b for a, b in zip(known[:2], self._known[:2], strict=True)

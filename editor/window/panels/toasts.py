@@ -141,7 +141,7 @@ def _name(number: int) -> str:
 
 
 def _label(action_id: str | None) -> str:
-    """Return what the button of a message says; nothing where it has none."""
+    """Return the label of a message's button; empty without one."""
     if action_id is None:
         return ""
     return tr(_BUTTONS.get(action_id, BY_ID[action_id].label))

@@ -1,4 +1,4 @@
-"""The work under way as the line at the bottom tells it, with what a click on it does."""
+"""The work under way as the status line shows it, with what a click on it does."""
 
 from typing import TYPE_CHECKING, Final, NamedTuple
 

@@ -68,7 +68,7 @@ class AgentSummary:
     dense_reward_scale: float | None = None
     """Weight of the distance reward; None where it is not known."""
     card_digest: str = ""
-    """Digest of what else its card says about how it plays; empty for scripted ones."""
+    """Digest of the rest of its card that affects how it plays; empty for scripted ones."""
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -125,7 +125,7 @@ class Standing:
     """Progress of an evaluation."""
 
     done: int
-    """Episodes."""
+    """Episodes that have ended."""
     total: int
     scores: tuple[Score, ...]
     errors: tuple[tuple[int, str], ...] = ()

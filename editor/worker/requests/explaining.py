@@ -61,7 +61,7 @@ class Explain:
     about: About = "value"
     """Target of the gradient: the value, or the likeliest action's log-probability."""
     body: int | None = None
-    """Id of a body whose places the value is told for; None: of none."""
+    """Id of a body for whose places the value is computed; None: of no body."""
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True, eq=False)

@@ -11,7 +11,7 @@ class Progress(Protocol):
     """Channel in which a running job reports, and learns that it was cancelled."""
 
     def report(self, fraction: float | None, message: str) -> None:
-        """Say how far it is (0 … 1, or None when unknown) and what it does.
+        """Report the progress (0 … 1, or None if unknown) and the present task.
 
         Raises:
             Cancelled: The user cancelled the job.

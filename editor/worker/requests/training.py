@@ -14,7 +14,7 @@ class Place:
     offset: int
     """Bytes before it; the end of a line."""
     last_line: bytes
-    """The line before it, by which a file that was written anew is known."""
+    """The line before it, by which a rewritten file is recognised."""
     update: float
     """The last update before it."""
 
@@ -33,13 +33,13 @@ class RunNews:
     """News of a training run."""
 
     rows: tuple[dict[str, float], ...]
-    """Metrics, one row an update: those that are new, or all where the file was read anew."""
+    """Metrics, one row an update: those that are new, or all where the file was read again."""
     total: int
     """Rows in all; as many as `rows`: they take the place of those that were known."""
     newest: int | None
     """Environment steps of the newest complete checkpoint."""
     place: Place | None = None
-    """The place up to which the metrics were read; None: the next reading begins anew."""
+    """The place up to which the metrics were read; None: the next reading starts over."""
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -60,4 +60,4 @@ class CurriculumNews:
     updates: tuple[int, ...]
     """Updates of which there are pages."""
     page: BufferPage | None
-    """The one that was asked for; None where there is none, or nothing newer."""
+    """The page that was asked for; None if there is none, or nothing newer."""

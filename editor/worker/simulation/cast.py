@@ -1,4 +1,4 @@
-"""Agents on the worker: load them once, tell what they are, let them drive an episode."""
+"""Agents on the worker: load them once, describe them, let them play an episode."""
 
 import dataclasses
 import math
@@ -45,10 +45,10 @@ _KEPT = 16
 
 
 def player_of(ref: AgentRef) -> Player:
-    """The agent that is meant, loaded on first use.
+    """Return the agent that is meant, loaded on first use.
 
     Raises:
-        CheckpointError: It cannot be loaded; one sentence.
+        CheckpointError: The agent cannot be loaded; one sentence.
     """
     player = _MEMORY.get(ref)
     if player is None:
@@ -60,10 +60,10 @@ def player_of(ref: AgentRef) -> Player:
 
 
 def load(path: str) -> AgentSummary:
-    """Read an agent and tell what it is.
+    """Read an agent and describe it.
 
     Raises:
-        CheckpointError: It cannot be loaded; one sentence.
+        CheckpointError: The agent cannot be loaded; one sentence.
     """
     folder = _folder(path)
     ref = AgentRef(path=path, stamp=_stamp(folder))
@@ -197,7 +197,7 @@ class AgentDriver:
             level: The level.
             physics: Preset or solver.
             casting: Who plays, with which draws.
-            progress: Told how far loading and compiling are.
+            progress: Called with how far loading and compiling are.
             quick: Whether a step that is compiled quickly will do.
 
         Raises:
@@ -272,7 +272,7 @@ class AgentDriver:
             self._carry = on_device(memory)
 
     def step(self, state: EnvState, step: int, hand: Action | None) -> Step:
-        """One environment step.
+        """Do one environment step.
 
         Args:
             state: Where the episode is.
@@ -295,7 +295,7 @@ class AgentDriver:
         jax.block_until_ready(self._play(*arguments)[0])
 
     def mind(self, thought: Any, *, by_hand: bool, step: int) -> Mind:
-        """A thought for the window.
+        """Return a thought for the window.
 
         Raises:
             KinetixError: The network's output is NaN.
@@ -338,7 +338,7 @@ def mind_of(
     by_hand: bool = False,
     scripted: bool = False,
 ) -> Mind:
-    """A thought as plain values."""
+    """Return a thought as plain values."""
     return Mind(
         intention=tuple(np.asarray(intention).tolist()),
         own_action=tuple(np.asarray(own_action).tolist()),

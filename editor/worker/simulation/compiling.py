@@ -45,7 +45,7 @@ QUICK: Final = Tier(name="quick", options=tuple(quick_options().items()), compil
 FULL: Final = Tier(name="full", options=(), compiling=5.0)
 
 _OWN_CACHE: Final = "JAX_COMPILATION_CACHE_DIR" in os.environ
-"""Whoever names a folder for JAX's cache wants everything in it."""
+"""If the user names a folder for JAX's cache, everything goes there."""
 _TRACING: Final = 0.18
 """Share of tracing in tracing and lowering."""
 
@@ -57,7 +57,7 @@ class Pace:
 
 
 _AS_EXPECTED: Final = 0.75
-"""Up to here progress is as the usual duration says."""
+"""Up to this share, progress follows the usual duration."""
 
 
 def slowing(share: float) -> float:
@@ -86,7 +86,7 @@ class Compilation:
 
         Args:
             recipe: What to compile.
-            lock: Held by whoever comes to wait or leaves.
+            lock: Held while a waiter is added or removed.
             background: Whether it may take its time.
             done: Called at the end, by the thread that compiles.
         """
@@ -199,7 +199,7 @@ class Programs:
         """Programs that were compiled and have not been written to disk."""
 
     def get(self, key: Hashable) -> Any | None:
-        """A program that is ready, or None."""
+        """Return a program that is ready, or None."""
         with self._lock:
             program = self._ready.get(key)
             if program is not None:
@@ -217,11 +217,11 @@ class Programs:
             self._ready.popitem(last=False)
 
     def obtain(self, recipe: Recipe, progress: Progress, *, background: bool = False) -> Any:
-        """A program: from memory, or when it has been compiled.
+        """Return a program: from memory, or when it has been compiled.
 
         Args:
             recipe: Which.
-            progress: Told how far it is.
+            progress: Called with how far it is.
             background: Nobody waits for it but a job that can wait.
 
         Raises:

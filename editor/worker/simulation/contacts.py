@@ -25,7 +25,7 @@ Pair = tuple[BodyReference, BodyReference]
 
 
 def pushing_pairs(level: Level) -> frozenset[Pair]:
-    """The pairs of bodies that can push each other, both ways round."""
+    """Return the pairs of bodies that can push each other, both ways round."""
     component = components(level.joints)
     bodies: list[tuple[BodyReference, Body]] = [(body.id, body) for body in level.bodies]
     for name in ARENA_NAMES:
@@ -39,7 +39,7 @@ def pushing_pairs(level: Level) -> frozenset[Pair]:
 def touching_bodies(
     level: Level, capacity: Capacity, touching: np.ndarray, pushing: frozenset[Pair]
 ) -> tuple[Pair, ...]:
-    """The pairs of bodies that touch and push each other, as ids and arena names.
+    """Return the pairs of bodies that touch and push each other, as ids and arena names.
 
     The engine also tells of parts of one machine that overlap: they lie in each other without
     any contact.
@@ -90,7 +90,7 @@ def _between(a: BodyReference, b: BodyReference, body_a: Body, body_b: Body) -> 
 
 
 def _nearest(body: Body, point: Point) -> Point:
-    """The point of a body's outline nearest to a point."""
+    """Return the point of a body's outline nearest to a point."""
     if isinstance(body.shape, Circle):
         dx, dy = point[0] - body.position[0], point[1] - body.position[1]
         length = math.hypot(dx, dy) or 1.0
@@ -106,7 +106,7 @@ def _nearest(body: Body, point: Point) -> Point:
 
 
 def _normal(body_a: Body, body_b: Body, point: Point) -> Point:
-    """Unit vector from a to b at a contact: out of the flatter of the two outlines."""
+    """Return the unit vector from a to b at a contact: out of the flatter of the two outlines."""
     if isinstance(body_a.shape, Circle):
         dx, dy = point[0] - body_a.position[0], point[1] - body_a.position[1]
     elif isinstance(body_b.shape, Circle):
@@ -137,5 +137,5 @@ def _edge_normal(body_a: Body, body_b: Body, point: Point) -> Point:
 
 
 def deepest(contacts: tuple[ContactPoint, ...]) -> float:
-    """The deepest overlap [m]; 0 when nothing overlaps."""
+    """Return the deepest overlap [m]; 0 when nothing overlaps."""
     return max((-contact.separation for contact in contacts), default=0.0) if contacts else 0.0

@@ -15,7 +15,7 @@ def add_episode(request: AddEpisode, progress: Progress) -> str:
         A sentence: what the data set holds now.
 
     Raises:
-        KinetixError: The controls alone do not tell the episode, or the folder or a data set cannot
+        KinetixError: The controls do not reproduce the episode, or the folder or a data set cannot
             take it.
     """
     progress.report(None, "Playing the episode again")
@@ -23,7 +23,7 @@ def add_episode(request: AddEpisode, progress: Progress) -> str:
     episode = checked(episode_of_arrays(trace.arrays(), level, f"The episode of {level.name!r}"))
     if not episode.replays:
         raise KinetixError(
-            "This episode cannot be told by its controls alone: a body was pulled at, or it was "
+            "This episode cannot be reproduced from its controls: a body was pulled at, or it was "
             "played in a step that rounds differently."
         )
     told = add_episodes(request.folder, [episode])

@@ -66,10 +66,10 @@ def has(key: object) -> bool:
 
 
 def load(key: object, arguments: Any, results: Any) -> Any | None:
-    """A step from disk, or None.
+    """Return a step from disk, or None.
 
     Args:
-        key: Its parameters; what they are called (`repr`) has to say all.
+        key: Its parameters; their `repr` must identify them.
         arguments: Positional arguments, to try it with.
         results: A tree like the results.
     """
@@ -79,7 +79,7 @@ def load(key: object, arguments: Any, results: Any) -> Any | None:
         program = serialize_executable.deserialize_and_load(
             code, takes, jax.tree.structure(results), execution_devices=jax.devices()[:1]
         )
-        # What came from JAX's cache was written without some of its code: only a run tells.
+        # What came from JAX's cache was written without some of its code: only a run shows it.
         jax.block_until_ready(program(*arguments))
         return program
 

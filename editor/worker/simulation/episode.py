@@ -1,4 +1,4 @@
-"""One episode on the environment: start, advance, restore, tell as numpy."""
+"""One episode on the environment: start, advance, restore, export as numpy."""
 
 import dataclasses
 import time
@@ -51,14 +51,14 @@ class HandDriver:
         self._stepper = stepper
 
     def remember(self, memory: Any) -> None:
-        """Nothing to remember."""
+        """Do nothing: a person has no memory."""
 
     def warm(self, state: EnvState, step: int) -> None:
         """Do once what a first step does; see `AgentDriver.warm`."""
         jax.block_until_ready(self.step(state, step, NOOP).state)
 
     def step(self, state: EnvState, step: int, hand: Action | None) -> Step:
-        """One environment step; see `AgentDriver.step`."""
+        """Play one environment step; see `AgentDriver.step`."""
         del step
         action = jax.device_put(np.asarray(NOOP if hand is None else hand, np.int32))
         state, info = self._stepper.step(state, action)
@@ -73,7 +73,7 @@ class Episode:
 
         Args:
             request: What is played.
-            progress: Told how far the compiler is, where something has to be compiled.
+            progress: Called with how far the compiler is, where something has to be compiled.
             judges: Whether the outcome is to hold elsewhere too: then the step is the one that
                 every level of the size shares, as in commands, level sets and evaluations. The one
                 for this level alone rounds differently, and what is won by a hair may be lost.
@@ -173,7 +173,7 @@ class Episode:
 
 
 def _fetched(taken: Step, before: EnvState) -> Step:
-    """A step as numpy arrays; what the level fixes is taken from the state before."""
+    """Return a step as numpy arrays; what the level fixes is taken from the state before."""
     moved = {name: getattr(taken.state, name) for name in MOVING}
     rest = (taken.info, taken.unified, taken.thought)
     moved, (info, unified, thought) = jax.device_get((moved, rest))
@@ -185,7 +185,8 @@ def play_solution(request: PlaySolution, progress: Progress) -> Opened:
     """Play the recorded solution of a level and keep every moment.
 
     Raises:
-        KinetixError: There is none, or it holds its actions for another number of engine steps.
+        KinetixError: The level has no solution, or one that holds its actions for another number of
+            engine steps.
     """
     level, solution = request.level, request.level.solution
     if solution is None:

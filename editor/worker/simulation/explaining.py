@@ -33,7 +33,7 @@ def explain(request: Explain) -> Explained:
     """
     level, player = request.level, player_of(request.agent)
     if not player.params:
-        raise KinetixError(f"{player.card.name} has no network to ask.")
+        raise KinetixError(f"{player.card.name} has no network, so nothing can be explained.")
     capacity = capacity_for(player.card, capacity_of(level), level=repr(level.name))
     env = environment_for(player, capacity, physics=request.physics)
     state = request.state
@@ -74,7 +74,7 @@ def _places(
     request: Explain,
     cell: float,
 ) -> tuple[float, np.ndarray | None]:
-    """The value as things are, and with the asked body and what hangs on it elsewhere."""
+    """Return the value as things are, and with the asked body and its joined bodies elsewhere."""
     level = request.level
     held = next((k for k, body in enumerate(level.bodies) if body.id == request.body), None)
     moved = _moved(moment, slots, level, request.body)
@@ -96,7 +96,7 @@ def _places(
 
 
 def _moved(moment: Situation, slots: np.ndarray, level: Level, body: int | None) -> Any:
-    """The body and what is jointed to it, slots of the state."""
+    """Return the body and what is jointed to it, slots of the state."""
     moved = np.zeros(np.asarray(moment.state.world.bodies.active).shape, bool)
     if body is not None:
         together = component(level, (body,))

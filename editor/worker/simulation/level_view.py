@@ -46,7 +46,7 @@ class LevelView:
         self._free = np.array([not body.fixed for body in level.bodies], bool)
 
     def first(self, state: EnvState, frame_skip: int) -> Snapshot:
-        """The snapshot of a first state."""
+        """Return the snapshot of a first state."""
         unified = np.zeros(len(NOOP), np.float32)
         told = self._told(state, unified, frame_skip)
         return dataclasses.replace(told, action=(), distance=goal_distance(state))
@@ -62,7 +62,7 @@ class LevelView:
         milliseconds: float = 0.0,
         contacts: bool = False,
     ) -> Snapshot:
-        """The snapshot after a step."""
+        """Return the snapshot after a step."""
         info = step.info
         reward = float(info["reward"])
         told = dataclasses.replace(
@@ -140,7 +140,7 @@ def thruster_drives(level: Level, unified: np.ndarray) -> np.ndarray:
 
 
 def goal_distance(state: EnvState) -> float:
-    """Return what a step tells as its distance, of a state before the first step [m].
+    """Return the distance that a step would report, of a state before the first step [m].
 
     Of NumPy's arrays: to compile the environment's function would hold the first picture up.
     """

@@ -24,7 +24,7 @@ from kinetix.level.sizes import capacity_of
 
 
 def drawn(request: RandomLevel) -> Level:
-    """A random level; the same seed gives the same level."""
+    """Return a random level; the same seed gives the same level."""
     # Imported on use: the generators are large and play does not need them.
     if request.machine:
         from kinetix.environment.generators.machines import random_machines
@@ -39,7 +39,7 @@ def mutated(request: Mutate) -> Level:
     """A mutation of a level: the named one, or the first of a random order that changes anything.
 
     Raises:
-        KinetixError: There is no such mutation.
+        KinetixError: No mutation has this name.
     """
     from kinetix.environment.generators.documents import mutate_level
 

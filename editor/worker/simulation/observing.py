@@ -44,7 +44,7 @@ def _seen(observations: AbstractObservation, state: EnvState) -> Any:
 
 
 def observe(request: Observe) -> AgentView:
-    """The picture and the tables of a moment; see `Observe`.
+    """Return the picture and the tables of a moment; see `Observe`.
 
     Raises:
         KinetixError: The agent cannot be loaded or cannot play the level.

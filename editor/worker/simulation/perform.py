@@ -137,10 +137,10 @@ def perform(request: Request, progress: Progress) -> Any:
 
     Args:
         request: What to do.
-        progress: Told how far it is; raises `Cancelled` when nobody waits any more.
+        progress: Called with how far it is; raises `Cancelled` when nobody waits any more.
 
     Raises:
-        KinetixError: It cannot be done; the sentence says why.
+        KinetixError: The request cannot be done; the message says why.
     """
     with _FIRST:  # there are two workers
         if not _BRIDGES:

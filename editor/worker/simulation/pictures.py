@@ -64,10 +64,10 @@ def _draw(
 
 
 def palette_named(name: str) -> Palette:
-    """A display palette.
+    """Return a palette for the screen.
 
     Raises:
-        KinetixError: There is none of this name.
+        KinetixError: No palette has this name.
     """
     if name not in PALETTES:
         raise KinetixError(f"palette {name!r}: expected one of {', '.join(PALETTES)}")
@@ -80,10 +80,10 @@ def _state(level: Level, state: Any, physics: str = DEFAULT_PHYSICS) -> EnvState
 
 
 def render_state(request: RenderState) -> Image:
-    """The picture of a state for the canvas.
+    """Return the picture of a state for the canvas.
 
     Raises:
-        KinetixError: There is no such palette, or the level does not fit.
+        KinetixError: No palette has this name, or the level does not fit.
     """
     camera = Camera(
         centre=jnp.asarray(request.centre, jnp.float32),
@@ -121,7 +121,7 @@ def export_picture(request: ExportPicture) -> Path:
 def without_background(
     on_black: UInt8[np.ndarray, "h w 3"], on_white: UInt8[np.ndarray, "h w 3"]
 ) -> UInt8[np.ndarray, "h w 4"]:
-    """Colour and coverage from the same picture on black and on white.
+    """Return colour and coverage from the same picture on black and on white.
 
     A pixel with coverage α and colour c shows α·c on black and α·c + (1 − α) on white.
     """

@@ -62,7 +62,7 @@ def pulled(state: EnvState, slots: np.ndarray, level: Level, pull: Pull) -> EnvS
 
 
 def _teleported(state: EnvState, slots: np.ndarray, level: Level, pull: Pull) -> EnvState:
-    """Put a body's origin where the mouse is, with all that hangs on it, at rest."""
+    """Put a body's origin where the mouse is, with all bodies joined to it, at rest."""
     moved = component(level, (pull.body,))
     rows = [k for k, body in enumerate(level.bodies) if body.id in moved]
     held = next(k for k, body in enumerate(level.bodies) if body.id == pull.body)

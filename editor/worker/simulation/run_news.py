@@ -14,7 +14,7 @@ def read_run(request: ReadRun) -> RunNews:
     """Return the news of a training run.
 
     Raises:
-        KinetixError: There is no such folder, or its metrics cannot be read.
+        KinetixError: The folder does not exist, or its metrics cannot be read.
     """
     run = Path(request.path)
     if not os.path.isdir(run):

@@ -74,7 +74,7 @@ class Stepper:
     """True if it was compiled quickly."""
 
     def step(self, state: EnvState, action: Array) -> tuple[EnvState, dict[str, Array]]:
-        """The next state and the environment's `info`, with `reward` and `unified`."""
+        """Return the next state and the environment's `info`, with `reward` and `unified`."""
         moved, info = self.compiled(state, action)
         return dataclasses.replace(state, **moved), info
 
@@ -95,7 +95,7 @@ def environment(capacity: Capacity, physics: str) -> KinetixEnv:
 
 @functools.cache
 def static_params(capacity: Capacity, physics: str) -> StaticEnvParams:
-    """The static parameters of a size: frame skip 2, as people play."""
+    """Return the static parameters of a size: frame skip 2, as people play."""
     return static_env_params_of(capacity, physics=physics)
 
 
@@ -126,7 +126,7 @@ def _advanced(
 
 
 def first_state(level: Level, static: StaticEnvParams) -> EnvState:
-    """The first state of a level in an environment with these parameters.
+    """Return the first state of a level in an environment with these parameters.
 
     Raises:
         KinetixError: The level does not fit, or the preset does not exist.
@@ -135,7 +135,7 @@ def first_state(level: Level, static: StaticEnvParams) -> EnvState:
 
 
 def start_state(level: Level, physics: str) -> EnvState:
-    """The first state of a level, compiled to the capacity that its size says.
+    """Return the first state of a level, compiled to the capacity that its size says.
 
     Raises:
         KinetixError: The level does not fit, or the preset does not exist.
@@ -144,7 +144,7 @@ def start_state(level: Level, physics: str) -> EnvState:
 
 
 def without_memory(state: EnvState) -> EnvState:
-    """A state to look at: what the solver keeps for its next step is left out.
+    """Return a state to look at: what the solver keeps for its next step is left out.
 
     Its shapes depend on the step; without it one compiled drawing serves all steps of a size.
     """
@@ -152,12 +152,12 @@ def without_memory(state: EnvState) -> EnvState:
 
 
 def best_stepper(level: Level, physics: str, progress: Progress, *, quick: bool) -> Stepper:
-    """The best step for a level that is ready, otherwise one that is compiled now.
+    """Return the best step for a level that is ready, otherwise one that is compiled now.
 
     Args:
         level: The level.
         physics: Preset or solver.
-        progress: Told how far the compiler is.
+        progress: Called with how far the compiler is.
         quick: Whether the quick tier will do.
 
     Raises:
@@ -177,7 +177,7 @@ def best_stepper(level: Level, physics: str, progress: Progress, *, quick: bool)
 
 
 def generic_stepper(level: Level, physics: str, progress: Progress) -> Stepper:
-    """The step that every level of the size shares; the first one of a size compiles it."""
+    """Return the step that every level of the size shares; the first one of a size compiles it."""
     static = static_params(capacity_of(level), physics)
     return stepper(level, StepKey(static=static, tier=FULL), progress)
 
@@ -191,7 +191,7 @@ def own_stepper(level: Level, physics: str, progress: Progress, *, quick: bool) 
 
 
 def stepper(level: Level, key: StepKey, progress: Progress, *, background: bool = False) -> Stepper:
-    """One of a level's steps: from memory, from disk, or when it has been compiled.
+    """Return one of a level's steps: from memory, from disk, or when it has been compiled.
 
     Raises:
         KinetixError: The level does not fit, or the preset does not exist.
@@ -209,7 +209,7 @@ def stepper(level: Level, key: StepKey, progress: Progress, *, background: bool 
 
 
 def _loaded(level: Level, key: StepKey, progress: Progress) -> Compiled | None:
-    """A step from disk, or None."""
+    """Return a step from disk, or None."""
     progress.report(None, "Compiling the level")
     state = first_state(level, key.static)
     with without_pauses():
@@ -220,7 +220,7 @@ def _loaded(level: Level, key: StepKey, progress: Progress) -> Compiled | None:
 
 
 def _results(state: EnvState) -> Any:
-    """A tree like what `_advanced` gives."""
+    """Return a tree like what `_advanced` gives."""
     moved = {name: getattr(state, name) for name in MOVING}
     return moved, dict.fromkeys((*_TOLD, "reward", "unified"), 0)
 

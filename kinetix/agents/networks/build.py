@@ -16,7 +16,7 @@ def build_network(config: NetworkConfig, head: ActionHead) -> nn.Module:
 
     Args:
         config: Its kind and options.
-        head: What its actor says (`distributions.action_head`).
+        head: The head of the actor (`distributions.action_head`).
 
     Returns:
         A module with `module.apply(params, carry, (observation, dones), train=False)` →

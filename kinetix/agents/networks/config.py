@@ -86,7 +86,7 @@ class NetworkConfig:
         """Refuse what no network can be built from.
 
         Raises:
-            ValueError: An option is outside its range; the sentence names it.
+            ValueError: An option is outside its range; the message names it.
         """
         for name, allowed in (
             ("kind", get_args(Kind)),

@@ -1,7 +1,7 @@
 """Outputs of an actor: distributions over the three kinds of action, and the heads that make them.
 
 Log-probabilities and entropies of compound actions are sums over their parts. `restricted` leaves
-out the controls that a level does not have: what is said about those changes nothing.
+out the controls that a level does not have: their logits change nothing.
 """
 
 import dataclasses
@@ -28,7 +28,7 @@ class Distribution(Protocol):
         ...
 
     def mode(self) -> Array:
-        """The likeliest action."""
+        """Return the likeliest action."""
         ...
 
     def log_prob(self, action: Array) -> Float[Array, "*n"]:
@@ -42,7 +42,7 @@ class Distribution(Protocol):
     def divergence(self, other: Any) -> Float[Array, "*n"]:
         """Return the Kullback–Leibler divergence of another one of the kind from this one [nat].
 
-        It is 0 where both say the same; parts that are not live do not count.
+        It is 0 for equal distributions; parts that are not live do not count.
         """
         ...
 
@@ -81,11 +81,11 @@ class MultiCategorical:
         return self._argmax(self.logits / temperature + noise)
 
     def mode(self) -> Int[Array, "*n parts"]:
-        """The likeliest choice of every part."""
+        """Return the likeliest choice of every part."""
         return self._argmax(self.logits)
 
     def log_prob(self, action: Int[Array, "*n parts"]) -> Float[Array, "*n"]:
-        """Sum of the parts' log-probabilities."""
+        """Return the sum of the parts' log-probabilities."""
         parts = self.log_probs()
         total = jnp.zeros(self.logits.shape[:-1], self.logits.dtype)
         for index, part in enumerate(parts):
@@ -95,7 +95,7 @@ class MultiCategorical:
         return total
 
     def entropy(self) -> Float[Array, "*n"]:
-        """Sum of the parts' entropies [nat]."""
+        """Return the sum of the parts' entropies [nat]."""
         return -sum(
             (
                 self._counted(index, jnp.sum(jnp.exp(part) * part, axis=-1))
@@ -105,7 +105,7 @@ class MultiCategorical:
         )
 
     def divergence(self, other: "MultiCategorical") -> Float[Array, "*n"]:
-        """Sum of the parts' divergences [nat]."""
+        """Return the sum of the parts' divergences [nat]."""
         pairs = zip(self.log_probs(), other.log_probs(), strict=True)
         return sum(
             (
@@ -128,7 +128,7 @@ class MultiCategorical:
         return jnp.stack(rows, axis=-2)
 
     def log_probs(self) -> list[Float[Array, "*n choices"]]:
-        """Normalised log-probabilities, one array a part."""
+        """Return normalised log-probabilities, one array a part."""
         return [jax.nn.log_softmax(part) for part in self._split(self.logits)]
 
     def _split(self, values: Array) -> list[Array]:
@@ -136,7 +136,7 @@ class MultiCategorical:
         return [values[..., a:b] for a, b in itertools.pairwise(bounds)]
 
     def _counted(self, index: int, values: Array) -> Array:
-        """A part's numbers, 0 where it is not live."""
+        """Return a part's numbers, 0 where it is not live."""
         return values if self.live is None else jnp.where(self.live[..., index], values, 0.0)
 
     def _argmax(self, scores: Array) -> Array:
@@ -157,7 +157,7 @@ class Categorical:
         return jax.random.categorical(key, self.logits / temperature)
 
     def mode(self) -> Int[Array, "*n"]:
-        """The likeliest choice."""
+        """Return the likeliest choice."""
         return jnp.argmax(self.logits, axis=-1)
 
     def log_prob(self, action: Int[Array, "*n"]) -> Float[Array, "*n"]:
@@ -166,7 +166,7 @@ class Categorical:
         return jnp.sum(self._told_apart() * chosen, axis=-1)
 
     def entropy(self) -> Float[Array, "*n"]:
-        """Entropy [nat]."""
+        """Return the entropy [nat]."""
         # Choices that do the same share one logarithm: their sum is −p ln p of all together.
         return -jnp.sum(jnp.exp(jax.nn.log_softmax(self.logits)) * self._told_apart(), axis=-1)
 
@@ -213,7 +213,7 @@ class DiagonalNormal:
     """Independent normal distributions; nothing is squashed, the environment clips."""
 
     logits: Float[Array, "*n d"]
-    """Means, which is what the network says."""
+    """Means, the output of the network."""
     log_std: Float[Array, " d"]
     """Logarithms of the standard deviations; the same in every state."""
     live: Bool[Array, "*n d"] | None = None
@@ -225,7 +225,7 @@ class DiagonalNormal:
         return self.logits + noise * jnp.exp(self.log_std) * temperature
 
     def mode(self) -> Float[Array, "*n d"]:
-        """The mean."""
+        """Return the mean."""
         return self.logits
 
     def log_prob(self, action: Float[Array, "*n d"]) -> Float[Array, "*n"]:
@@ -235,12 +235,12 @@ class DiagonalNormal:
         return -0.5 * self._sum(distance**2 + 2 * self.log_std + constant)
 
     def entropy(self) -> Float[Array, "*n"]:
-        """Differential entropy [nat]."""
+        """Return the differential entropy [nat]."""
         each = self.log_std + 0.5 * (1 + jnp.log(2 * jnp.pi))
         return self._sum(jnp.broadcast_to(each, self.logits.shape))
 
     def divergence(self, other: "DiagonalNormal") -> Float[Array, "*n"]:
-        """Sum of the entries' divergences [nat]."""
+        """Return the sum of the entries' divergences [nat]."""
         spread = jnp.exp(2 * (self.log_std - other.log_std))
         distance = ((self.logits - other.logits) * jnp.exp(-other.log_std)) ** 2
         each = other.log_std - self.log_std + 0.5 * (spread + distance - 1)
@@ -280,7 +280,7 @@ class MultiDiscreteHead:
         return sum(self.sizes)
 
     def of_controls(self, motors: Float[Array, "*n m 3"], jets: Float[Array, "*n t 2"]) -> Array:
-        """Arrange what is said of each control.
+        """Arrange the logits of each control in the order of the action space.
 
         Args:
             motors: Of each motor binding: at rest, forward, backward.
@@ -289,7 +289,7 @@ class MultiDiscreteHead:
         return jnp.concatenate([_flattened(motors), _flattened(jets)], axis=-1)
 
     def __call__(self, logits: Array, log_std: Array | None) -> Distribution:
-        """The distribution of these outputs; `log_std` is ignored."""
+        """Return the distribution of these outputs; `log_std` is ignored."""
         del log_std
         return MultiCategorical(logits=logits, sizes=self.sizes)
 
@@ -308,7 +308,7 @@ class DiscreteHead:
         return self.choices
 
     def of_controls(self, motors: Float[Array, "*n m 3"], jets: Float[Array, "*n t 2"]) -> Array:
-        """Arrange what is said of each control.
+        """Arrange the logits of each control in the order of the action space.
 
         Args:
             motors: Of each motor binding: at rest, forward, backward.
@@ -321,7 +321,7 @@ class DiscreteHead:
         return jnp.concatenate([_flattened(moved), nothing, _flattened(pushed)], axis=-1)
 
     def __call__(self, logits: Array, log_std: Array | None) -> Distribution:
-        """The distribution of these outputs; `log_std` is ignored."""
+        """Return the distribution of these outputs; `log_std` is ignored."""
         del log_std
         return Categorical(logits=logits)
 
@@ -340,7 +340,7 @@ class ContinuousHead:
         return self.size
 
     def of_controls(self, motors: Float[Array, "*n m 3"], jets: Float[Array, "*n t 2"]) -> Array:
-        """Arrange what is said of each control.
+        """Arrange the logits of each control in the order of the action space.
 
         Args:
             motors: Of each motor binding: at rest, forward, backward.
@@ -350,10 +350,10 @@ class ContinuousHead:
         return jnp.concatenate([moved, pushed], axis=-1)
 
     def __call__(self, logits: Array, log_std: Array | None) -> Distribution:
-        """The normal distribution with these means.
+        """Return the normal distribution with these means.
 
         Raises:
-            ValueError: There is no `log_std`.
+            ValueError: `log_std` is missing.
         """
         if log_std is None:
             raise ValueError("a continuous head needs the parameter log_std")
@@ -370,7 +370,7 @@ ActionHead = MultiDiscreteHead | DiscreteHead | ContinuousHead
 def action_head(
     action_type: str, *, motor_bindings: int = 4, thruster_bindings: int = 2
 ) -> ActionHead:
-    """The head for a type of action.
+    """Return the head for a type of action.
 
     Args:
         action_type: "multi_discrete", "discrete" or "continuous".

@@ -21,7 +21,7 @@ Output = tuple[Carry, Distribution, Float[Array, "k n"]]
 
 
 def dense(features: int, *, gain: float = 2**0.5, name: str | None = None) -> nn.Dense:
-    """A linear layer with orthogonal weights and zero biases.
+    """Return a linear layer with orthogonal weights and zero biases.
 
     Args:
         features: Number of outputs.
@@ -86,7 +86,7 @@ class ActorCriticHead(nn.Module):
         embeddings: tuple[Float[Array, "k n e"], ...],
         dones: Bool[Array, "k n"],
     ) -> Output:
-        """Policy and value.
+        """Return the policy and the value.
 
         Args:
             carry: Recurrent state before the first step.

@@ -96,7 +96,7 @@ class PermutationInvariantNetwork(nn.Module):
         return shared(carry, embeddings, dones)
 
     def _encode(self, observation: Any) -> Float[Array, "k n e f"]:
-        """Rows of one width: polygons, circles, joints, thrusters; masked rows are zero."""
+        """Return rows of one width: polygons, circles, joints, thrusters; masked rows are zero."""
         activation = ACTIVATIONS[self.activation]
         encoded = []
         for kind, (values, mask) in enumerate(

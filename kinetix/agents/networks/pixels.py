@@ -27,7 +27,7 @@ class ResNetBasicBlock(nn.Module):
 
     @nn.compact
     def __call__(self, x: Float[Array, "n w h c"]) -> Float[Array, "n v g d"]:
-        """The block's output."""
+        """Return the block's output."""
 
         def convolve(value: Array, size: int, stride: int, index: int) -> Array:
             value = nn.Conv(
@@ -50,7 +50,7 @@ def _impala_fast(image: Float[Array, "n w h c"]) -> Float[Array, "n f"]:
 
 
 def _resnet_18(image: Float[Array, "n w h c"]) -> Float[Array, "n f"]:
-    """The 18-layer residual encoder; the mean over the picture's area. As `_impala_fast`."""
+    """Return the 18-layer residual encoder; the mean over the picture's area. As `_impala_fast`."""
     x = nn.Conv(64, (7, 7), strides=2, use_bias=False, name="Conv_0")(image)
     x = jax.nn.relu(nn.GroupNorm(32, name="GroupNorm_0")(x))
     x = nn.max_pool(x, (3, 3), strides=(2, 2), padding="SAME")

@@ -42,7 +42,7 @@ class ScannedRNN(nn.Module):
     def __call__(
         self, carry: Float[Array, "n h"], inputs: tuple[Float[Array, "n e"], Bool[Array, " n"]]
     ) -> tuple[Float[Array, "n h"], Float[Array, "n h"]]:
-        """One step (the scan adds the time axis to `inputs` and to the second result)."""
+        """Return one step (the scan adds the time axis to `inputs` and to the second result)."""
         embedding, done = inputs
         carry = jnp.where(done[:, None], 0.0, carry)
         # The published trees call the cell GRUCell_1: another module took number 0 there.

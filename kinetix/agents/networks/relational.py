@@ -1,8 +1,8 @@
 """The relational network: an encoder per kind of entity, messages along joints, pooling.
 
 Neither the order of entities nor the room for them means anything to it, so one set of parameters
-plays every size. Places are told from the green and the blue body too, and all motors decide by the
-same layers, from the joint that each drives; so do all thrusters.
+plays every size. Places are relative to the green and the blue body too, and all motors decide by
+the same layers, from the joint that each drives; so do all thrusters.
 
 Source: sets are reduced as in Zaheer et al., "Deep Sets" (2017); joints and thrusters send messages
 as in Battaglia et al., "Relational inductive biases, deep learning, and graph networks" (2018).
@@ -60,7 +60,7 @@ class _Bodies:
     """Place, sine and cosine, place seen from green and from blue."""
 
     def of_role(self, column: int, values: Float[Array, "*n b f"]) -> Float[Array, "*n f"]:
-        """Sum of the rows of one role: that of the only body that has it."""
+        """Return the sum of the rows of one role: that of the only body that has it."""
         return _of_role(self.rows, self.active, column, values)
 
 
@@ -141,7 +141,7 @@ class RelationalNetwork(nn.Module):
         return x
 
     def _said(self, name: str, seen: Array, actor: Array, choices: int) -> Array:
-        """Logits of each control of a kind, by layers that all of the kind share."""
+        """Return the logits of all controls of one kind, from shared layers."""
         own = dense(self.width, name=f"{name}_seen")(seen)
         common = dense(self.width, name=f"{name}_whole")(actor)[..., None, :]
         hidden = ACTIVATIONS[self.shared.activation](own + common)
@@ -183,7 +183,7 @@ def _of_role(rows: Array, active: Array, column: int, values: Array) -> Array:
 
 
 def _pooled(known: _Bodies, bodies: Float[Array, "*n b e"]) -> Float[Array, "*n f"]:
-    """The maximum and the mean over all bodies, then the green and the blue one."""
+    """Return the maximum and the mean over all bodies, then the green and the blue one."""
     chosen = known.active[..., None]
     count = jnp.maximum(jnp.sum(chosen, axis=-2), 1.0)
     parts = [
@@ -196,7 +196,7 @@ def _pooled(known: _Bodies, bodies: Float[Array, "*n b e"]) -> Float[Array, "*n 
 
 
 def _jets(known: _Bodies, base: Array, thrusters: Array) -> Array:
-    """The thrusters' rows, with their places and directions in the world."""
+    """Return the thrusters' rows, with their places and directions in the world."""
     rows = jnp.concatenate([thrusters, _pivot(known, base, thrusters[..., _JET])], axis=-1)
     frame = _picked(base, known.frames)
     at = _JET_KEY + thrusters.shape[-1] - _THRUSTER_WITHOUT_KEYS
@@ -207,7 +207,7 @@ def _jets(known: _Bodies, base: Array, thrusters: Array) -> Array:
 
 
 def _pivot(known: _Bodies, where: Array, anchor: Array) -> Array:
-    """A point of a body in the world, from its body, from green and from blue."""
+    """Return a point of a body in the world, from its body, from green and from blue."""
     frame = _picked(where, known.frames)
     turned = _turned(anchor, frame[..., 2], frame[..., 3])
     places = [frame[..., first : first + 2] + turned for first in (0, 4, 6)]
@@ -215,14 +215,14 @@ def _pivot(known: _Bodies, where: Array, anchor: Array) -> Array:
 
 
 def _turned(points: Array, sin: Array, cos: Array) -> Array:
-    """Points (x, y, x, y, …) of a body's frame with the world's axes; all x, then all y."""
+    """Return points (x, y, x, y, …) of a body's frame with the world's axes; all x, then all y."""
     x, y = points[..., 0::2], points[..., 1::2]
     sin, cos = sin[..., None], cos[..., None]
     return jnp.concatenate([cos * x - sin * y, sin * x + cos * y], axis=-1)
 
 
 def _columns(rows: Array, first: int, others: int) -> Array:
-    """The one-hot of the keys: as many columns as the row has besides the others."""
+    """Return the one-hot of the keys: as many columns as the row has besides the others."""
     return rows[..., first : first + rows.shape[-1] - others]
 
 
@@ -235,7 +235,7 @@ def _one_hot(index: Array, bodies: Float[Array, "*n b e"]) -> Float[Array, "*n m
 
 
 def _picked(where: Float[Array, "*n m b"], rows: Float[Array, "*n b f"]) -> Float[Array, "*n m f"]:
-    """The rows that one-hot rows point at."""
+    """Return the rows that one-hot rows point at."""
     return jnp.sum(where[..., None] * rows[..., None, :, :], axis=-2)
 
 

@@ -44,7 +44,7 @@ def linear(
     use_bias: bool = True,
     name: str | None = None,
 ) -> nn.Dense:
-    """A linear layer.
+    """Make a linear layer.
 
     Args:
         features: Number of outputs.
@@ -58,5 +58,5 @@ def linear(
 
 
 def flat(x: Float[Array, "*n e"]) -> Float[Array, "m e"]:
-    """All axes of rows as one."""
+    """Return all axes of rows as one."""
     return x.reshape(math.prod(x.shape[:-1]), x.shape[-1])

@@ -105,7 +105,7 @@ class MessageBlock(nn.Module):
 
     @nn.compact
     def __call__(self, x: Float[Array, "*n f"]) -> Float[Array, "*n e"]:
-        """The message of each row."""
+        """Return the message of each row."""
         for index in range(self.num_layers - 1):
             hidden = linear(self.multiplication * self.width, name=f"Dense_{index}")(x)
             x = jax.nn.relu(hidden)
@@ -158,7 +158,7 @@ class Transformer(nn.Module):
 
 
 class Messages:
-    """Rows that stand between bodies: what they say and to whom.
+    """Rows that connect bodies: their embeddings and the bodies.
 
     Rows find their bodies by products with one-hot matrices. There are few bodies, and neither
     gathers nor their gradients, which are scatters, run well in batches.

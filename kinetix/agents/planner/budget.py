@@ -29,7 +29,7 @@ class Budget:
 
     @property
     def rounds(self) -> int:
-        """Rounds that fit when it plans again; none while it owes time, as one took longer."""
+        """Rounds that fit into the next planning; 0 while an earlier overrun is paid back."""
         return 0 if self._owed > 0 else self._fitting(self._budget)
 
     @property

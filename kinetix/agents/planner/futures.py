@@ -1,8 +1,8 @@
 """Futures: groups of plans played on the simulator, each from a state, on all devices at once.
 
 The first plans of a group are played as they are. The others are a beam: after every stretch its
-attempts go on from where the best of the group are, each in its own way. So what takes many small
-things to go right is found by the beam, and what takes few by whole plans.
+attempts continue from the best states of the group, each with its own actions. The beam finds
+solutions that need many small correct actions; whole plans find those that need few.
 """
 
 import dataclasses
@@ -78,7 +78,7 @@ def play_futures(
     """Play groups of plans, each group until one of it has won.
 
     Args:
-        env: Where; without auto-reset.
+        env: The environment, without auto-reset.
         states: Where the plans of each group begin.
         plans: Proposals; the length is a multiple of `STRETCH`.
         noise: Added to the distances by which the beam chooses, per stretch [m].
@@ -158,7 +158,7 @@ def _run(
 def _advance(
     env: KinetixEnv, states: EnvState, before: Array, index: Array, attempts: _Attempts
 ) -> _Attempts:
-    """One environment step of every attempt."""
+    """Play one environment step of every attempt."""
     t = before + index
     actions = jax.lax.dynamic_index_in_dim(attempts.plans, t, axis=2, keepdims=False)
     key = jax.random.key(0)  # nothing in a step of one level is random
@@ -193,7 +193,7 @@ def _advance(
 
 
 def _shown(states: EnvState, position: Float[Array, "g n b 2"]) -> Float[Array, "g n 2"]:
-    """Return the place of the body whose way is told: green or blue, the first that can move."""
+    """Return the place of the body with the path: green or blue, the first that can move."""
     role, bodies = states.labels.role, states.world.bodies
     moves = bodies.active & (bodies.inverse_mass > 0)
     green = (role == GREEN) & bodies.active

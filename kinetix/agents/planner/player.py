@@ -23,13 +23,13 @@ class Planner:
     """A player that knows the simulator.
 
     Attributes:
-        card: Says what it is.
+        card: Its description.
         params: How many rounds it plans; see `PlannerPolicy`.
         policy: How it chooses.
     """
 
     def __init__(self, *, rounds: int = ROUNDS, first: int = FIRST) -> None:
-        """Make one.
+        """Make the planner.
 
         Args:
             rounds: Rounds of futures whenever it plans again.
@@ -48,9 +48,9 @@ class Planner:
         self.policy = PlannerPolicy()
 
     def init_carry(self, batch: int) -> Mind:
-        """No plan yet."""
+        """Return the memory without a plan."""
         return self.policy.init_carry(batch)
 
     def decide(self, *arguments: Any, deterministic: bool = False) -> Decision:
-        """The policy's own `decide`; see `player.Policy`."""
+        """Return the policy's own `decide`; see `player.Policy`."""
         return self.policy.decide(*arguments, deterministic=deterministic)

@@ -26,7 +26,7 @@ CHILDREN: Final = 9
 LENGTH: Final = 256
 """Of a plan [environment steps]."""
 SHOWN: Final = 12
-"""Futures of a group that are told, from the best to mediocre ones."""
+"""Futures of a group that are reported, from the best to mediocre ones."""
 NOISE: Final = 0.05
 """Scale of the noise by which the beam chooses [m]."""
 
@@ -187,7 +187,7 @@ def _kept(mind: Mind, futures: Futures) -> Mind:
 
 
 def _outlook(futures: Futures, shown: Int[Array, "g k"], group: Array) -> Outlook:
-    """Some futures, those of one group first."""
+    """Return some futures, those of one group first."""
 
     def told(x: Array) -> Array:
         taken = jnp.take_along_axis(x, shown.reshape(*shown.shape, *[1] * (x.ndim - 2)), axis=1)

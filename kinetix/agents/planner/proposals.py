@@ -27,7 +27,7 @@ _CLASSES: Final = (3,) * MOTOR_BINDINGS + (2,) * THRUSTER_BINDINGS
 
 
 def fresh_plans(chance: Float[Array, "n t k"], live: Bool[Array, " 6"]) -> Plans:
-    """Return plans that owe nothing to others; each has a tempo of its own.
+    """Return fresh random plans; each has a tempo of its own.
 
     Args:
         chance: Uniform numbers, two per control and step.

@@ -45,7 +45,7 @@ class SimulatorObservations(AbstractObservation):
         return {}
 
     def __call__(self, state: EnvState) -> Simulator:
-        """The simulator in this state."""
+        """Return the simulator in this state."""
         layout = self.layout
         return Simulator(
             state=state,

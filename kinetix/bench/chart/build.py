@@ -45,14 +45,14 @@ class ChartSettings:
     results: Path
     """Folder of the measured rows; what is missing there is measured."""
     physics: tuple[str, ...] = ()
-    """Presets whose speed is measured anew. Their errors are measured where missing."""
+    """Presets whose speed is measured again. Their errors are measured where missing."""
     batches: tuple[int, ...] = BATCHES
     cores: int = 1
     """Processor cores that many worlds are spread over."""
 
 
 def every_physics() -> tuple[str, ...]:
-    """All presets and solvers that the chart shows, each method once."""
+    """Return all presets and solvers that the chart shows, each method once."""
     named = {**PRESETS, **SOLVERS}
     found: dict[Any, str] = {}
     for name, solver in named.items():
@@ -90,7 +90,7 @@ def build_chart(settings: ChartSettings, say: Callable[[str], None]) -> dict[str
 
 
 def chart_data(points: Sequence[Point]) -> dict[str, Any]:
-    """Points and scalars as JSON."""
+    """Return points and scalars as JSON."""
     batches = sorted({point.batch for point in points})
     place, today = machine(), datetime.date.today().isoformat()
     facets = [
@@ -110,7 +110,7 @@ def chart_data(points: Sequence[Point]) -> dict[str, Any]:
 
 
 def facet_text(facet: dict[str, Any]) -> str:
-    """The scalars of a facet for people."""
+    """Return the scalars of a facet for people."""
 
     def ratio(value: float | None) -> str:
         return "   none" if value is None else f"{value:7.3g}"
@@ -128,7 +128,7 @@ def _facet(points: Sequence[Point], group: str, batch: int) -> list[Point]:
 
 
 def _measure(physics: str, settings: ChartSettings, say: Callable[[str], None]) -> None:
-    """Errors where there are none yet, speeds anew; in processes of their own."""
+    """Errors where there are none yet, speeds again; in processes of their own."""
     accuracy = settings.results / ACCURACY / f"{file_name(physics)}.jsonl"
     if missing := missing_scenes(accuracy, "core,built"):
         say(f"{physics}: errors in {missing}")

@@ -9,7 +9,7 @@ from kinetix.errors import KinetixError
 
 
 def new_figure(width: float, height: float) -> Any:
-    """An empty figure of matplotlib.
+    """Return an empty figure of matplotlib.
 
     Args:
         width: In hundreds of pixels.

@@ -18,7 +18,7 @@ def dominates(first: Point, second: Point) -> bool:
 
 
 def pareto_front(points: Sequence[Point]) -> list[Point]:
-    """Those that no other dominates, the fastest first."""
+    """Return those that no other dominates, the fastest first."""
     kept = [p for p in points if not any(dominates(other, p) for other in points)]
     return sorted(kept, key=lambda point: -point.speed)
 

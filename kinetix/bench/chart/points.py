@@ -54,12 +54,12 @@ class Point:
 
 
 def file_name(name: str) -> str:
-    """An engine's name as the stem of a file."""
+    """Return an engine's name as the stem of a file."""
     return re.sub(r"[^a-z0-9+_]+", "-", name.lower()).strip("-")
 
 
 def read_points(results: Path) -> list[Point]:
-    """All points for which both error and speed have been measured.
+    """Return all points for which both error and speed have been measured.
 
     Args:
         results: The folder with the folders `ACCURACY`, `SPEED` and those of other engines.
@@ -74,7 +74,7 @@ def read_points(results: Path) -> list[Point]:
 
 
 def read_rows(file: Path) -> list[dict[str, Any]]:
-    """A file of one JSON object a line."""
+    """Return a file of one JSON object a line."""
     return [json.loads(line) for line in file.read_text().splitlines() if line]
 
 
@@ -120,7 +120,7 @@ def write_speeds(results: Path, name: str, family: str, rows: Iterable[Mapping[s
 def points_of(
     speeds: Sequence[Mapping[str, Any]], rows: Sequence[Mapping[str, Any]]
 ) -> list[Point]:
-    """The points of one engine.
+    """Return the points of one engine.
 
     The class `robustness` has no scene of its own to be timed in: its speed is the geometric mean
     of the others', its error the share of failures among the verdicts of all counted scenes.

@@ -41,7 +41,7 @@ LIMITS: Final[dict[str, Limit]] = {
 SAME_END: Final = 0.01
 """Fine runs whose ends differ by more are chaotic: their scene's outcome is not judged [m]."""
 WORK_MARGIN: Final = 1.1
-"""Motors may have done so much more work than the recorded frames tell."""
+"""Motors may have done this much more work than the recorded frames show."""
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)

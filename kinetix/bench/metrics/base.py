@@ -108,7 +108,7 @@ def judge_safely(judge: Callable[[Motion], Iterable[Metric]], motion: Motion) ->
 
 
 def merge_phases(same: Sequence[Metric]) -> list[Metric]:
-    """The worst of a metric's phases; with several, their median too, for information."""
+    """Return the worst of a metric's phases; with several, their median too, for information."""
     worst = max(same, key=lambda metric: (metric.error, metric.value or 0))
     if len(same) == 1:
         return [worst]
@@ -126,17 +126,17 @@ def merge_phases(same: Sequence[Metric]) -> list[Metric]:
 
 
 def failed(metrics: Iterable[Metric]) -> list[Metric]:
-    """The same metrics of a run that went wrong in the scene's own sense."""
+    """Return the same metrics of a run that went wrong in the scene's own sense."""
     return [dataclasses.replace(metric, value=None) for metric in metrics]
 
 
 def after(motion: Motion, seconds: float) -> slice:
-    """The steps from a moment on."""
+    """Return the steps from a moment on."""
     return slice(round(seconds / motion.trial.dt), None)
 
 
 def last(motion: Motion, seconds: float) -> slice:
-    """The steps of the last seconds."""
+    """Return the steps of the last seconds."""
     return slice(-round(seconds / motion.trial.dt), None)
 
 

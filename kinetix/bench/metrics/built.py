@@ -121,7 +121,7 @@ def _as_on_a_slab(motions: Sequence[Motion]) -> list[Metric]:
 def _share(
     left: Callable[[Motion], np.ndarray],
 ) -> Callable[[Sequence[Motion]], list[Metric]]:
-    """The share of free bodies that left, a metric a variant; broken runs count whole."""
+    """Return the share of free bodies that left, a metric a variant; broken runs count whole."""
 
     def judge(motions: Sequence[Motion]) -> list[Metric]:
         found = []

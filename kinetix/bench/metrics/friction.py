@@ -14,7 +14,7 @@ STUCK = 1e-3
 
 
 def _along(motion: Motion) -> np.ndarray:
-    """Distance covered down the slope [m]; a tilted floor counts along itself."""
+    """Return the distance covered down the slope [m]; a tilted floor counts along itself."""
     moved = motion.position[:, 1] - motion.position[0, 1]
     tilt = motion.rotation[0, 0]
     return moved @ np.array([math.cos(tilt), math.sin(tilt)])

@@ -72,7 +72,7 @@ def _hover(motion: Motion) -> Iterable[Metric]:
 
 
 def _order(motions: Sequence[Motion]) -> list[Metric]:
-    """Least-squares slope of log error over log dt, of the errors at the end."""
+    """Return least-squares slope of log error over log dt, of the errors at the end."""
     found = []
     for name, error in (("I2", _projectile_error), ("D2", _pendulum_error)):
         chosen = [motion for motion in motions if motion.trial.name == name]

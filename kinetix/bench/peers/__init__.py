@@ -1,5 +1,5 @@
-"""Other engines in the same scenes: what they are told, how they are run, what is made of it.
+"""Other engines in the same scenes: their input, how they are run, and their results.
 
-A peer lives in an environment of its own and is never imported here. It is told scenes as plain
+A peer lives in an environment of its own and is never imported here. It is given scenes as plain
 JSON and answers with arrays or times; the judging is the same as our own engine's.
 """

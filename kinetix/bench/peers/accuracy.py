@@ -30,7 +30,7 @@ def measure_peer(peer: Peer, scenes: str = "core") -> Iterator[dict[str, Any]]:
         KinetixError: A scene is unknown, the engine is not installed or its program failed.
     """
     inertia = "kinetix" if peer.own_inertia else "exact"
-    # A class at a time: whoever waits sees how far it is, and a failure loses little.
+    # One class at a time: the progress is visible, and a failure loses little.
     for _, chosen in itertools.groupby(scenes_named(scenes), key=lambda scene: scene.group):
         group = list(chosen)
         sets = {
@@ -44,7 +44,7 @@ def measure_peer(peer: Peer, scenes: str = "core") -> Iterator[dict[str, Any]]:
 
 
 def judged(scene: SuiteScene, answer: Answer) -> Sequence[Metric]:
-    """The metrics of a scene from the engine's answer.
+    """Return the metrics of a scene from the engine's answer.
 
     A scene of which the engine has no words for some trials is judged by the others, unless its
     judge compares trials with each other.

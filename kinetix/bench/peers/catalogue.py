@@ -106,10 +106,10 @@ SLOW: Final[tuple[Peer, ...]] = (
 
 
 def peer_named(name: str) -> Peer:
-    """A peer by its name.
+    """Return a peer by its name.
 
     Raises:
-        KinetixError: There is none; the message lists those that are.
+        KinetixError: No peer has this name; the message lists those that exist.
     """
     every = {peer.name: peer for peer in (*PEERS, *SWEPT, *SLOW)}
     if name not in every:

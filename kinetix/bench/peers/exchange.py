@@ -1,4 +1,4 @@
-"""Scenes in the words of no engine: what a peer is told, and its answer as motions."""
+"""Scenes in a format of no engine: the input of a peer, and its answer as motions."""
 
 import math
 from collections.abc import Sequence
@@ -18,11 +18,11 @@ PAIR_FRICTION: Final = 0.4 * math.sqrt(2)
 
 
 def scene_of(trial: Trial, *, inertia: InertiaModel | None = None) -> dict[str, Any]:
-    """A trial as plain JSON, in SI units.
+    """Return a trial as plain JSON, in SI units.
 
     Bodies are listed in the level's order, then those of the arena that can be felt. `friction` is
     the coefficient that two such surfaces have; `mass` 0 means fixed; bodies of one `group` (not 0)
-    never collide, as they hang together by joints.
+    never collide, as joints connect them.
 
     Args:
         trial: The run.

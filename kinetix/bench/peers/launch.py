@@ -81,8 +81,8 @@ def ask(
         seconds: How long it may take; without end where none are given.
 
     Raises:
-        PeerLateError: It took longer.
-        KinetixError: It is not installed, or its program failed.
+        PeerLateError: The job took longer than `seconds`.
+        KinetixError: The engine is not installed, or its program failed.
     """
     if not peer.installed:
         raise KinetixError(f"{peer.name} is not installed: run `make bench-peers`")

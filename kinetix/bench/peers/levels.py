@@ -48,7 +48,7 @@ def measure_levels(settings: LevelSettings) -> Iterator[dict[str, Any]]:
     Engines that are not installed are left out.
 
     Raises:
-        KinetixError: There is no level of a size, or a program failed.
+        KinetixError: A size has no level, or a program failed.
     """
     folder = settings.levels or levels_dir()
     for size in settings.sizes:
@@ -84,7 +84,7 @@ def ratios(rows: Sequence[dict[str, Any]]) -> Iterator[dict[str, Any]]:
 
 
 def native_speed(peer: Peer, trials: Sequence[Trial]) -> dict[str, Any]:
-    """Steps per second of an engine that is driven from Python: the median over trials.
+    """Return steps per second of an engine that is driven from Python: the median over trials.
 
     Its motors pull as hard as they can at a standstill and its thrusters rest: our laws for them
     would be computed in Python, and that is not what is timed.

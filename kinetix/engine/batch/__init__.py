@@ -4,7 +4,7 @@ A solver's arrays carry the worlds on the last axis, so that inner loops run ove
 over a handful of bodies. A primitive of our own lets callers write for one world, batch with `vmap`
 (nested too) and still hit that kernel; and it is traced once only, when a program is compiled.
 
-Three ways to say what a batch does: `worlds_last` runs a kernel tile by tile, `worlds_first` a
+Three ways to define a batch: `worlds_last` runs a kernel tile by tile, `worlds_first` a
 function of the whole batch, `where_marked` a function of one world for the worlds that need it.
 """
 

@@ -1,4 +1,4 @@
-"""Values of our own classes in words that say all about them, in this process and in the next."""
+"""Stable text descriptions of our values: equal text means an equal program in any process."""
 
 import dataclasses
 import enum

@@ -57,12 +57,12 @@ def from_disk(
 
 
 def _constants() -> dict[str, Any]:
-    """Return the engine's constants as they are now: somebody may try out other values."""
+    """Return the present values of the engine's constants; experiments may change them."""
     return {name: value for name, value in vars(constants).items() if name.isupper()}
 
 
 def _declined() -> bool:
-    """Return whether JAX keeps nothing on disk, or what runs is not what lies there."""
+    """Return whether the disk cache cannot be used: it is off, or the sources have changed."""
     settings = jax.config.values
     return (
         not settings["jax_enable_compilation_cache"]
@@ -94,7 +94,7 @@ def _exported(
         # Of no mesh that the caller has set: the next process may have another, or none.
         with jax.sharding.use_abstract_mesh(jax.sharding.AbstractMesh((), ())):
             made = export.export(run, platforms=(_PLATFORM,))(*leaves)  # pyright: ignore[reportArgumentType]
-    except Exception:  # it has something that no file can hold; whatever is wrong is told without
+    except Exception:  # it has something that no file can hold; errors are raised without
         return None
     finally:
         _INSIDE.reset(token)

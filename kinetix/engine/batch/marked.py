@@ -14,7 +14,7 @@ from kinetix.engine.lookup import put, row
 Tree = Any
 
 MARKED_AT_ONCE: Final = 32
-"""Marked worlds that are made anew together, at least. With fewer, many marks in one step take many
+"""Marked worlds that are computed together, at least. With fewer, many marks in one step take many
 rounds; with more, a single mark pays for worlds that nobody needs."""
 
 SHARE: Final = 128
@@ -40,7 +40,7 @@ def _as_large_as(new: Shaped[Array, "n ..."], old: Shaped[Array, "m ..."]) -> Ar
 
 
 def _replaced_in_turn(old: Tree, new: Tree, places: Int[Array, " k"]) -> Tree:
-    """Put new worlds where the places say; the first ones count that are inside."""
+    """Put new worlds at the given places; the first valid ones count."""
     worlds = len(jax.tree.leaves(old)[0])
 
     def replace(k: Int[Array, ""], old: Tree) -> Tree:
@@ -66,7 +66,7 @@ def _replaced_at_once(old: Tree, new: Tree, places: Int[Array, " k"]) -> Tree:
 
 
 def where_marked(make: Callable[..., Tree]) -> Callable[..., Tree]:
-    """Return a function that makes anew what marked worlds have.
+    """Return a function that computes marked worlds again.
 
     Under `vmap` only the marked worlds are made: their indices are compacted and worked off
     `MARKED_AT_ONCE` at a time. Each comes from its own seeds, the same as if it were alone.

@@ -23,24 +23,24 @@ class BatchProgram:
     like: Callable[..., Tree] | None
     tile: int
     structure: Any
-    """Of the arguments."""
+    """Tree structure of the arguments."""
     words: str | None = None
     """All about the kernel, the same in every process; None where there are no such words."""
 
     def arguments(self, leaves: Sequence[Any]) -> tuple[Tree, ...]:
-        """The kernel's arguments, with what worlds share repeated for each."""
+        """Return the kernel's arguments, with what worlds share repeated for each."""
         worlds = count(leaves)
         wide = [jnp.broadcast_to(x, (*x.shape[:-1], worlds)) for x in leaves]
         return jax.tree.unflatten(self.structure, wide)
 
     def whole(self, *leaves: Array) -> list[Array]:
-        """The results of all worlds at once, as an accelerator computes them."""
+        """Return the results of all worlds at once, as an accelerator computes them."""
         with whole_batches():
             done = self.kernel(*self.arguments(leaves))
         return self.typed(done, leaves)
 
     def typed(self, done: Tree, leaves: Sequence[Any]) -> list[Array]:
-        """The kernel's results as a list of arrays, converted to the types of `results`."""
+        """Return the kernel's results as a list of arrays, converted to the types of `results`."""
         shapes = self.results(leaves)
         return [x.astype(as_.dtype) for x, as_ in zip(jax.tree.leaves(done), shapes, strict=True)]
 
@@ -55,7 +55,7 @@ class BatchProgram:
         )
 
     def results(self, leaves: Sequence[Any]) -> list[jax.ShapeDtypeStruct]:
-        """The same as a list."""
+        """Return the same as a list."""
         return jax.tree.leaves(self.shapes(leaves))
 
 

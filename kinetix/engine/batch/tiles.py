@@ -53,7 +53,7 @@ def by_tiles(program: BatchProgram, leaves: Sequence[Array]) -> Tree:
 
 
 def picked(values: Shaped[Array, "k ..."], rows: Int[Array, " n"]) -> Shaped[Array, "n ..."]:
-    """Rows by number, each of which there is."""
+    """Return rows by number; all numbers are valid."""
     return values.at[rows].get(mode="promise_in_bounds", wrap_negative_indices=False)
 
 

@@ -47,7 +47,7 @@ def worlds_first(batched: Callable[..., Tree]) -> Callable[..., Tree]:
 
 
 def _with_axis(size: int, mapped: list[Any], trees: tuple[Tree, ...]) -> tuple[Tree, ...]:
-    """The arguments with the mapped axis on every array."""
+    """Return the arguments with the mapped axis on every array."""
 
     def widen(has_axis: bool, x: Any) -> Array:
         x = jnp.asarray(x)

@@ -32,7 +32,7 @@ def worlds_last(
     tile: int = TILE,
     made_of: tuple[Any, ...] | None = None,
 ) -> Callable[..., Tree]:
-    """Give a kernel that works on arrays with a last axis of worlds the look of one for one world.
+    """Wrap a kernel for arrays whose last axis is worlds as one for a single world.
 
     Args:
         kernel: Takes pytrees whose arrays end in the axis `n`, some of them of floats; returns
@@ -42,8 +42,9 @@ def worlds_last(
         like: Which of its arguments the kernel's result looks like, array for array, if any: then
             the kernel need not be traced to know what comes out.
         tile: Worlds that are advanced together.
-        made_of: Name and parameters of the kernel, which together say all about it. Where they are
-            values of our own, it is lowered once on a computer, not once in each process.
+        made_of: Name and parameters that identify the kernel; equal ones share a cached program.
+            Where they are values of our own, it is lowered once on a computer, not once in each
+            process.
 
     Returns:
         A function of the same pytrees without that axis.
@@ -87,7 +88,7 @@ def _run(*leaves: Array, program: BatchProgram) -> list[Array]:
 
 @functools.lru_cache(maxsize=64)
 def _alone(program: BatchProgram) -> Callable[..., list[Array]]:
-    """The primitive by itself, so that it is lowered for the device that runs it."""
+    """Return the primitive by itself, so that it is lowered for the device that runs it."""
     return jax.jit(functools.partial(_RUN.bind, program=program))
 
 
@@ -158,7 +159,7 @@ def _merge(x: Array, sizes: tuple[int, int]) -> Array:
 
 
 def _lowering(run: Callable[..., list[Array]]) -> Callable[..., Any]:
-    """The rule by which a program is lowered."""
+    """Return the rule by which a program is lowered."""
     rule = mlir.lower_fun(run, multiple_results=True)
 
     def lowered(*arguments: Any, **parameters: Any) -> Any:
@@ -169,14 +170,14 @@ def _lowering(run: Callable[..., list[Array]]) -> Callable[..., Any]:
 
 
 def _on_cpu(context: Any, *arguments: Any, program: BatchProgram) -> Any:
-    """The rule for processors: as it lies on disk, where the program is for them alone."""
+    """Return the rule for processors: as it lies on disk, where the program is for them alone."""
     alone = context.module_context.platforms == ("cpu",)
     run = _from_disk if alone and program.words else _on_processor
     return _lowering(run)(context, *arguments, program=program)
 
 
 def _on_cuda(context: Any, *arguments: Any, program: BatchProgram) -> Any:
-    """The rule for CUDA: a kernel of its own, else what any accelerator gets."""
+    """Return the rule for CUDA: a kernel of its own, else what any accelerator gets."""
     from kinetix.engine.native.launch import lowered  # here, as a processor never needs it
 
     done = lowered(context, arguments, program)

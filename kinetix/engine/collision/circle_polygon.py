@@ -67,7 +67,7 @@ def points(
     depth = height - closing * jnp.clip(impact, 0, dt)
     grazes = (depth > -constants.GRAZE) & (closing < round_closing - constants.GRAZE_SPEED)
     beyond = (place < 0) | (place > width)
-    # A face that keeps them apart later, but not yet, is passed on the way round its corner.
+    # A face that becomes separating only later in the step is passed around its corner.
     later = (coming.separation > 0) & (height < -constants.GRAZE)
     at_corner = (beyond & ~grazes & (height > -a.radius)) | later
     # Before it comes over the face it may lie below the face's line: over the crest of a hill.

@@ -1,9 +1,9 @@
-"""Nothing crosses what is fixed: the last word on where bodies end. Worlds on the last axis.
+"""Prevent tunnelling through fixed bodies: limit how far a body moves. Worlds are on the last axis.
 
 Contacts are prepared for a step along straight paths. A body that is thrown off course within the
-step, by a corner or in a crowd, can meet a wall that nothing was prepared for. It is left before
-the wall, overlapping it a little, and keeps its velocity: the next step sees a plain contact. A
-contact that would push a body out on the far side, as with long bodies and thin walls, is
+step, by a corner or in a crowd, can meet a wall that nothing was prepared for. It is stopped before
+the wall, overlapping it a little, and keeps its velocity: the next step finds an ordinary contact.
+A contact that would push a body out on the far side, as with long bodies and thin walls, is
 overruled: the body is moved to the side of its centre, step by step, and stands still meanwhile.
 Source: the safety net of continuous collision in Catto (2013), "Continuous Collision", for the
 centres of bodies alone; segment against convex polygon after Ericson (2005), "Real-Time Collision
@@ -135,7 +135,7 @@ def _held_one(
 def _pushed_beyond(
     points: Points, body: Int[Array, "1 n"], motion: Vec, side: Vec
 ) -> Bool[Array, "p n"]:
-    """Tell which polygons a body overlaps and leaves by a contact that faces away from its centre.
+    """Return the polygons that a body overlaps and leaves by a contact away from its centre.
 
     Args:
         points: The contacts of the step.

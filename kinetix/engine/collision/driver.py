@@ -1,6 +1,6 @@
 """Collision detection: a table of pairs of shapes, each with its kernels. Worlds on the last axis.
 
-Two stages. The *approach* of every candidate pair is exact and cheap; it tells which pairs touch
+Two stages. The *approach* of every candidate pair is exact and cheap; it shows which pairs touch
 (the reward and the observations ask for all of them) and which come near. Only the near ones get
 *contact points*, in a fixed number of slots, so that the solver's work goes with what happens in a
 scene and not with what it has room for.
@@ -46,7 +46,7 @@ class Kind:
     approach: Callable[[Any, Any, Array], Approach]
     points: Callable[[Any, Any, Approach, Array, Array, Store], list[Spot]]
     most_points: int
-    """Of one pair."""
+    """Most contact points of one pair."""
 
 
 KINDS: Final = (
@@ -145,7 +145,7 @@ def _near(
     places: Sequence[slice],
     slots: Slots,
 ) -> tuple[Bool[Array, "q n"], Bool[Array, " n"]]:
-    """Choose the pairs that get contact points, and tell where there is no room for all that touch.
+    """Choose the pairs that get contact points, and mark worlds without room for all of them.
 
     Where there is not room for all that are near, the most urgent ones count: those that touch,
     then those that will meet within the step, then the others, by the gap between them.

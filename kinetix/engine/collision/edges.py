@@ -39,14 +39,14 @@ def most_opposed(normals: Vec, normal: Vec) -> Int[Array, "k n"]:
 
 
 def columns(corners: Vec) -> list[Vec]:
-    """One after the other, each with an axis of length 1 in place of the corners'."""
+    """Return one after the other, each with an axis of length 1 in place of the corners'."""
     count = corners.x.shape[1]
     columns = [jnp.split(values, count, axis=1) for values in (corners.x, corners.y)]
     return [Vec(x=x, y=y) for x, y in zip(*columns, strict=True)]
 
 
 def largest(gaps: Float[Array, "q v n"]) -> tuple[Float[Array, "q n"], Int[Array, "q n"]]:
-    """The largest along the middle axis, and where it is first."""
+    """Return the largest along the middle axis, and where it is first."""
     count = gaps.shape[1]
     best, *others = (part[:, 0] for part in jnp.split(gaps, count, axis=1))
     edge = jnp.zeros(best.shape, jnp.int32)

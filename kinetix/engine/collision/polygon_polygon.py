@@ -98,7 +98,7 @@ def points(
     apart = now + shift
     first, last, apart, shift = store((first + apart, last + apart, apart, shift))
     came = dot(normal, shift)
-    # A face that keeps them apart later, but not yet, is passed on the way round its corner.
+    # A face that becomes separating only later in the step is passed around its corner.
     later = (coming.separation > 0) & (height < -constants.GRAZE)
     (low, high), (gap_low, gap_high), survives = store(_clip(start, end, normal, first, last))
     survives &= ~later

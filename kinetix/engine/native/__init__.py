@@ -1,7 +1,7 @@
 """A step of one world as one kernel of a GPU, made from the same JAX source.
 
 1. `program.py` reads the function's jaxpr into blocks of operations (`model.py`); `rewriting.py`
-   says which operations are read as others;
+   lists the operations that are replaced by others;
 2. `forms.py` decides what is kept in registers, in memory, or not at all;
 3. `writer.py` writes C++ with a `pen.py`: `blocks.py` finds an order of a block's `items.py`,
    `lanes.py` writes what the lanes share, `control.py` loops and conditionals, `parts.py` changes

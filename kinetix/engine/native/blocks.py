@@ -41,7 +41,7 @@ class BlockWriter:
         self._done: set[Item] = set()
 
     def write(self) -> None:
-        """Write all."""
+        """Write all operations."""
         left = self._items.all
         while left:
             ready = [item for item in left if self._is_ready(item)]
@@ -63,10 +63,8 @@ class BlockWriter:
             self._done.update(done)
             left = [item for item in left if item not in self._done]
 
-    # --- what can be done ---
-
     def _is_heavy(self, item: Item) -> bool:
-        """Tell whether an operation is written by itself."""
+        """Return whether an operation is written by itself."""
         node = item.node
         if node is None:
             return False
@@ -81,7 +79,7 @@ class BlockWriter:
         return item.target is None or not self._is_awaited(item, group)
 
     def _is_awaited(self, item: Item, group: Sequence[Item]) -> bool:
-        """Tell whether what a store overwrites is still to be read."""
+        """Return whether what a store overwrites is still to be read."""
         assert item.target is not None and item.source is not None
         place = item.target.place
         if item.overwrites_own and not item.is_copied:
@@ -99,7 +97,7 @@ class BlockWriter:
         return False
 
     def _unlock(self, left: Sequence[Item]) -> None:
-        """Of stores that wait for each other, one is given a copy of what it wants."""
+        """Break a cycle of stores by copying one source."""
         for item in left:
             source = item.source
             if source is None or item.is_copied:
@@ -117,7 +115,7 @@ class BlockWriter:
         raise AssertionError("nothing that is left of a block can be done")
 
     def _best(self, ready: Sequence[Item]) -> Item:
-        """The first that overwrites nothing that is still to be read."""
+        """Return the first that overwrites nothing that is still to be read."""
         for item in ready:
             assert item.node is not None
             if not item.node.inputs or self.to_overwrite(item.node.inputs[0], item):
@@ -125,15 +123,13 @@ class BlockWriter:
         return ready[0]
 
     def to_overwrite(self, value: Value, item: Item) -> Buffer | None:
-        """The buffer of a value, if only this item needs it any more."""
+        """Return the buffer of a value, if only this item needs it any more."""
         place = self.pen.places.get(value)
         if not isinstance(place, Buffer) or place.home is not self.block:
             return None
         if any(self._readers[tenant] - self._done - {item} for tenant in place.tenants):
             return None
         return place
-
-    # --- doing it ---
 
     def _compute(self, item: Item) -> None:
         """Every lane computes a small value for itself."""

@@ -27,11 +27,11 @@ _INSTALL: Final = "pip install --upgrade 'kinetix-editor[cuda12]' (or cuda13, as
 
 
 class CannotCompile(Exception):
-    """There is no compiler, or it refuses; the message says what to do."""
+    """The compiler is missing or fails; the message says what to do."""
 
 
 def architecture() -> str | None:
-    """The GPU's architecture, such as `sm_90`; None where there is no CUDA device."""
+    """Return the GPU's architecture, such as `sm_90`; None where there is no CUDA device."""
     try:
         device = jax.local_devices(backend="cuda")[0]
     except RuntimeError:
@@ -65,7 +65,7 @@ def compiled(source: str, target: str) -> str:
             os.utime(file)
         return code.decode()
     code = _compiled(source, target)
-    with contextlib.suppress(OSError, LevelError):  # a cache that cannot be written to is none
+    with contextlib.suppress(OSError, LevelError):  # a cache that cannot be written is not used
         file.parent.mkdir(parents=True, exist_ok=True)
         write_atomically(file, code)
     return code.decode()

@@ -24,7 +24,7 @@ def c_type(dtype: np.dtype) -> str:
     """Return the type in C.
 
     Raises:
-        CannotTranslate: There is none for it here.
+        CannotTranslate: The operation has no expression here.
     """
     if dtype.name not in C_TYPES:
         raise CannotTranslate(f"there are no arrays of {dtype.name} in kernels")
@@ -32,7 +32,7 @@ def c_type(dtype: np.dtype) -> str:
 
 
 def literal(value: Any, dtype: np.dtype) -> str:
-    """A number in C, exactly."""
+    """Return a number in C, exactly."""
     if dtype.kind == "b":
         return "true" if value else "false"
     if not np.issubdtype(dtype, np.floating):

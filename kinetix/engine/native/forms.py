@@ -94,7 +94,7 @@ class Forms:
         return Form.STORED
 
     def _is_known(self, value: Value) -> bool:
-        """Tell whether reading it costs nothing."""
+        """Return whether reading it costs nothing."""
         if value.constant is not None:
             return True
         if self[value] is Form.INLINE:
@@ -103,7 +103,7 @@ class Forms:
         return self[value] is Form.UNIFORM
 
     def _is_read_once(self, value: Value) -> bool:
-        """Tell whether each entry is read at most once, in the block where it is made."""
+        """Return whether each entry is read at most once, in the block where it is made."""
         assert value.node is not None
         uses = self._uses[value]
         if len(uses) != 1 or uses[0][0] is not self._home[value.node]:

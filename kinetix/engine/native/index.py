@@ -52,7 +52,7 @@ class Index:
 
     @classmethod
     def first(cls, shape: Sequence[int]) -> Self:
-        """The first place."""
+        """Return the index of the first entry."""
         return cls(shape, flat=0)
 
     @property
@@ -79,12 +79,12 @@ class Index:
         return self._coordinates
 
     def reshaped(self, shape: Sequence[int]) -> "Index":
-        """The same entry where the array has another shape."""
+        """Return the same entry where the array has another shape."""
         return Index(shape, flat=self.flat)
 
 
 def plus(a: Number, b: Number) -> Number:
-    """The sum."""
+    """Return the sum."""
     if isinstance(a, int) and isinstance(b, int):
         return a + b
     if a == 0:
@@ -95,7 +95,7 @@ def plus(a: Number, b: Number) -> Number:
 
 
 def times(a: Number, factor: int) -> Number:
-    """The product."""
+    """Return the product."""
     if isinstance(a, int):
         return a * factor
     if factor == 0:

@@ -27,7 +27,7 @@ class Item:
     """Entries that the lanes share; 0: every lane does it for itself, or it is a loop."""
     source: Value | None = None
     target: Target | None = None
-    """Of a store."""
+    """Target of a store."""
     overwrites_own: bool = False
     """True if it writes an array of which it reads other entries."""
     is_copied: bool = False
@@ -103,7 +103,7 @@ class Items:
 
 
 def made_in(node: Node) -> set[Value]:
-    """All values that the blocks of an operation make or are given."""
+    """Return all values that the blocks of an operation make or are given."""
     found: set[Value] = set()
     for block in node.blocks:
         found |= set(block.inputs)

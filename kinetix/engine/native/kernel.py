@@ -34,12 +34,12 @@ NEAR_ARRAYS: Final = (1024, 512, 256, 128, 64, 0)
 
 @dataclasses.dataclass(frozen=True)
 class KernelText:
-    """What a kernel is made from, and what it needs."""
+    """Source of a kernel, and its needs."""
 
     text: str
     """C++, with the function `step`."""
     lanes: int
-    """Of a world."""
+    """Lanes per world."""
     far: int
     """Bytes of memory that each world needs while it is worked on."""
 
@@ -114,7 +114,7 @@ def _parameters(one: Block) -> str:
 
 
 def _own_parts(one: Block, shared: Sequence[bool]) -> list[str]:
-    """Where a world's own entries begin."""
+    """Return the index of the first entry of a world."""
     lines = []
     for k, (x, is_shared) in enumerate(zip(one.inputs, shared, strict=True)):
         place = "" if is_shared else f" + world * {x.size}"

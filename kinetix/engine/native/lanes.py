@@ -141,6 +141,6 @@ class Lanes:
 
 
 def _reads_elsewhere(item: Item, place: Buffer | Outside) -> bool:
-    """Tell whether an item reads memory at other places than the one that is being written."""
+    """Return whether an item reads memory at other places than the one that is being written."""
     tenants = place.tenants if isinstance(place, Buffer) else ()
     return any(value in tenants and at != "i" for value, at in item.seen)

@@ -70,7 +70,7 @@ def _kernel(
     many: bool,
     target: str,
 ) -> Kernel | None:
-    """The kernel of a program; None where there is none, which is told as a warning."""
+    """Return the kernel of a program; None if it cannot be made, with a warning."""
     try:
         with usual_promotion(), uncollected():
             made = kernel_text(program.whole, leaves, many=many)
@@ -112,5 +112,5 @@ def called(*leaves: Array, kernel: Kernel, results: Sequence[Any]) -> list[Array
 
 
 def _world_by_world(array: Any) -> tuple[int, ...]:
-    """The order of axes in which what belongs to a world lies together."""
+    """Return the order of axes in which what belongs to a world lies together."""
     return (array.ndim - 1, *range(array.ndim - 1))

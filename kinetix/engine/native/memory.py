@@ -1,11 +1,11 @@
-"""Where arrays lie in a world's memory: two that are never alive at once may share a place."""
+"""Allocation of arrays in a world's memory: two that are never alive at once may share a place."""
 
 import dataclasses
 from collections.abc import Iterable
 from typing import Final
 
 ALIGNMENT: Final = 4
-"""Of every array [bytes]."""
+"""Alignment of every array [bytes]."""
 
 
 @dataclasses.dataclass(eq=False)

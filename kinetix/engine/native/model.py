@@ -20,7 +20,7 @@ class Value:
     shape: tuple[int, ...]
     dtype: np.dtype
     node: "Node | None" = None
-    """Where it comes from; None: from outside, or it is a constant."""
+    """Operation that computes it; None: an argument or a constant."""
     constant: Shaped[np.ndarray, "..."] | None = None
 
     @property
@@ -34,7 +34,7 @@ class Node:
     """One operation."""
 
     name: str
-    """Of the primitive."""
+    """Name of the primitive."""
     inputs: list[Value]
     outputs: list[Value]
     parameters: dict[str, Any]

@@ -21,7 +21,7 @@ SCATTERED: Final = {
 
 
 def updated(node: Node, index: Index, read: Read) -> str:
-    """An entry of a small array of which a part was replaced."""
+    """Return an entry of a small array of which a part was replaced."""
     base, update, *starts = node.inputs
     begins = starts_of(starts, base.shape, update.shape, read)
     inside: list[str] = []
@@ -80,7 +80,7 @@ def scatter(writer: "BlockWriter", item: Item, node: Node) -> None:
 
 
 def _scattered_to(node: Node, index: Index, read: Read) -> tuple[Number, str]:
-    """Where a change goes, and the condition that this is in the array."""
+    """Return the index of a change, and the condition that it is in the array."""
     base, indices, _ = node.inputs
     numbers = node.parameters["dimension_numbers"]
     at, batch = window_place(
@@ -100,7 +100,7 @@ def _scattered_to(node: Node, index: Index, read: Read) -> tuple[Number, str]:
 
 
 def _own(writer: "BlockWriter", item: Item, node: Node, *, busy: bool) -> Buffer:
-    """The buffer of an array of which a part is changed: its own, or that of a copy."""
+    """Return the buffer of an array of which a part is changed: its own, or that of a copy."""
     base, result = node.inputs[0], node.outputs[0]
     buffer = None if busy else writer.to_overwrite(base, item)
     if buffer is not None:

@@ -32,7 +32,7 @@ class Pen:
         self.places: dict[Value, Place] = {}
         self.buffers: list[Buffer] = []
         self.loops: list[tuple[int, int]] = []
-        """When each began and ended."""
+        """Start and end of each."""
         self.tables: dict[Any, str] = {}
         """Names of constant arrays."""
         self.constants: list[str] = []
@@ -51,12 +51,12 @@ class Pen:
         self._guards = 0
 
     def name(self, letter: str) -> str:
-        """A new name."""
+        """Return a new name."""
         self._number += 1
         return f"{letter}{self._number}"
 
     def buffer(self, value: Value, home: Block) -> Buffer:
-        """Memory for a value; where it lies is decided in the end."""
+        """Return the memory for a value; where it lies is decided in the end."""
         span = Span(value.size * value.dtype.itemsize, self.time, self.time)
         buffer = Buffer(self.name("m"), value.dtype, home, span, [value])
         self.buffers.append(buffer)
@@ -70,8 +70,6 @@ class Pen:
             names.append(self.name("r"))
             self.lines.append(f"{kind} {names[-1]}={entry};")
         self.places[value] = names
-
-    # --- waiting ---
 
     def wait(self) -> None:
         """Have the lanes wait for each other, if any has written or read."""
@@ -103,7 +101,7 @@ class Pen:
             buffer.span.last = self.time
 
     def mark_written(self, place: Place) -> None:
-        """Say that the text that is being written writes there."""
+        """Note that the text being written writes to a place."""
         if isinstance(place, Buffer):
             self._written.add(place)
 
@@ -128,14 +126,12 @@ class Pen:
         self.loops.append((start, self.time))
         self.read_since = True
 
-    # --- reading ---
-
     def entries(self, value: Value) -> list[str]:
-        """The C of all entries of a small value."""
+        """Return the C of all entries of a small value."""
         return [self.read(value, Index(value.shape, flat=k)) for k in range(value.size)]
 
     def read(self, value: Value, index: Index) -> str:
-        """The C of an entry.
+        """Return the C of an entry.
 
         Raises:
             Misplaced: It is being computed by another lane.
@@ -154,7 +150,7 @@ class Pen:
         return self.computed(value, index)
 
     def computed(self, value: Value, index: Index) -> str:
-        """The C of an entry by the operation that it comes from."""
+        """Return the C of an entry by the operation that it comes from."""
         node = value.node
         assert node is not None
         rule = ELEMENTWISE.get(node.name)
@@ -204,15 +200,13 @@ class Pen:
             self.constants.append(f"TABLE({kind}, {name}, {entries.size}) {{{text}}};")
         return f"{self.tables[key]}[{index.flat}]"
 
-    # --- storing ---
-
     def is_stored(self, source: Value, target: Target) -> bool:
-        """Tell whether a value lies where it shall go."""
+        """Return whether a value lies where it shall go."""
         is_whole = target.shape is None and target.first == 0
         return is_whole and self.places.get(source) is target.place
 
     def store(self, stores: Sequence[tuple[Value, Target]]) -> None:
-        """Store some values at once: none hangs on a place that another goes to."""
+        """Store several values together; none of them reads a place that another one overwrites."""
         by_count: dict[int, list[tuple[Value, Target]]] = collections.defaultdict(list)
         for value, target in stores:
             if value.size:
@@ -230,7 +224,7 @@ class Pen:
 
 
 def _same_place(value: Value, index: Index) -> Index:
-    """The same place in an operand; on an axis of one, that one stands for all."""
+    """Return the same place in an operand; on an axis of one, that one stands for all."""
     if value.shape == index.shape:
         return index
     if value.size == 1:

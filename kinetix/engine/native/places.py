@@ -1,4 +1,4 @@
-"""Where the entries of a value are: in registers, in a world's memory, or in an argument."""
+"""Storage of the entries of a value: registers, a world's memory, or an argument."""
 
 import dataclasses
 
@@ -16,7 +16,7 @@ class Buffer:
     name: str
     dtype: np.dtype
     home: Block
-    """Where it was made: elsewhere it must not be overwritten."""
+    """Block in which it was made: in others it must not be overwritten."""
     span: Span
     tenants: list[Value]
     """Values that lie or lay there."""
@@ -35,7 +35,7 @@ Place = Buffer | Outside | Registers
 
 @dataclasses.dataclass(eq=False)
 class Target:
-    """Where entries go."""
+    """Destination of entries."""
 
     place: Buffer | Outside
     shape: tuple[int, ...] | None = None
@@ -45,7 +45,7 @@ class Target:
     """Of the part, on that axis; without a shape: in all entries."""
 
     def at(self, index: Index) -> Number:
-        """The place of an entry of the part."""
+        """Return the place of an entry of the part."""
         if self.shape is None:
             return plus(self.first, index.flat)
         at = list(index.coordinates)
@@ -54,7 +54,7 @@ class Target:
 
 
 def chosen(names: Registers, at: Number) -> str:
-    """One of some registers."""
+    """Choose one of several registers."""
     if isinstance(at, int):
         return names[at]
     chain = names[-1]

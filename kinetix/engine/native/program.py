@@ -24,7 +24,7 @@ def program(function: Callable[..., Any], arguments: Sequence[jax.ShapeDtypeStru
         arguments: Their shapes and types.
 
     Returns:
-        Its operations; those that nothing hangs on are left out.
+        Operations of the program; dead ones are left out.
     """
     closed = jax.make_jaxpr(function)(*arguments)
     inputs = [_like(x.aval) for x in closed.jaxpr.invars]
@@ -135,7 +135,7 @@ def _scan(
 
 
 def _scan_parts(parameters: dict[str, Any]) -> tuple[int, int]:
-    """Count a scan's constants and what it carries; JAX 0.11 says it in another way."""
+    """Count a scan's constants and what it carries; JAX 0.11 stores them in another way."""
     if "ft_in" in parameters:
         constants, carried, _ = parameters["ft_in"].unpack()
         return len(constants), len(carried)
@@ -150,7 +150,7 @@ def _cond(
 
 
 def _worlds(equation: Any) -> Any:
-    """The kernel of a batch, of one world."""
+    """Return the kernel of a batch, of one world."""
     shapes = [jax.ShapeDtypeStruct(x.aval.shape, x.aval.dtype) for x in equation.invars]
     return jax.make_jaxpr(equation.params["program"].whole)(*shapes)
 
@@ -173,7 +173,7 @@ BLOCKS: Final[dict[str, Callable[..., None]]] = {"while": _while, "scan": _scan,
 
 
 def _without_dead(block: Block, wanted: set[Value] | None = None) -> set[Value]:
-    """Take out what no result hangs on; returns all values that are read."""
+    """Eliminate dead operations; returns all values that are read."""
     read = set() if wanted is None else wanted
     read.update(block.outputs)
     kept = []

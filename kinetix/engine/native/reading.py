@@ -1,4 +1,4 @@
-"""Operations that only read others elsewhere: a row of the table says where, and what it costs.
+"""Operations that only read other arrays elsewhere: a row of the table has the index and cost.
 
 `read(value, index)` gives the C of an entry. FREE ones are never stored: a transposed table is the
 table, read at other places.
@@ -66,7 +66,7 @@ def _sliced(node: Node, index: Index, read: Read) -> str:
 def starts_of(
     starts: Sequence[Value], shape: Sequence[int], window: Sequence[int], read: Read
 ) -> list[Number]:
-    """Where a window begins whose place is only known at run time: it stays in the array."""
+    """Return the start of a window known at run time only: it is kept inside the array."""
     found: list[Number] = []
     for start, size, extent in zip(starts, shape, window, strict=True):
         if size == extent:
@@ -155,7 +155,7 @@ def _gathered(node: Node, index: Index, read: Read) -> str:
 
 
 def _fill(node: Node) -> str:
-    """What stands for an entry outside the table."""
+    """Return the value of an entry outside the table."""
     value, dtype = node.parameters["fill_value"], node.outputs[0].dtype
     if value is None and np.issubdtype(dtype, np.floating):
         value = np.nan

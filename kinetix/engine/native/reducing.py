@@ -27,17 +27,17 @@ REDUCTIONS: Final[dict[str, Callable[[str, str], str]]] = {
 
 
 def is_serial(node: Node) -> bool:
-    """Tell whether every lane reduces all entries for itself."""
+    """Return whether every lane reduces all entries for itself."""
     return node.inputs[0].size <= SERIAL_SIZE and node.outputs[0].size <= UNIFORM_SIZE
 
 
 def is_uniform(node: Node) -> bool:
-    """Tell whether every lane keeps the result."""
+    """Return whether every lane keeps the result."""
     return node.outputs[0].size == 1 or is_serial(node)
 
 
 def folded(node: Node, index: Index, read: Read) -> str:
-    """All entries that go into one result, one after the other."""
+    """Return all entries that go into one result, one after the other."""
     x, axes, total = node.inputs[0], node.parameters["axes"], None
     for inner in np.ndindex(*[x.shape[axis] for axis in axes]):
         entry = read(x, beside(x, axes, index, inner))
@@ -46,7 +46,7 @@ def folded(node: Node, index: Index, read: Read) -> str:
 
 
 def beside(value: Value, axes: Sequence[int], index: Index, inner: Sequence[Number]) -> Index:
-    """The place of one of the entries that go into a result.
+    """Return the place of one of the entries that go into a result.
 
     Args:
         value: What is reduced.
@@ -60,7 +60,7 @@ def beside(value: Value, axes: Sequence[int], index: Index, inner: Sequence[Numb
 
 
 def nothing(node: Node) -> str:
-    """What a reduction starts from."""
+    """Return the start value of a reduction."""
     dtype = node.outputs[0].dtype
     if node.name == "reduce_sum":
         return "0"

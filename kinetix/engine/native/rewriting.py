@@ -1,4 +1,4 @@
-"""Operations that are read as others: a row of the table says as which."""
+"""Operations that are replaced by others: a table of replacements."""
 
 from collections.abc import Callable, Sequence
 from typing import Any, Final, Protocol
@@ -9,10 +9,10 @@ from kinetix.engine.native.model import Node, Value
 
 
 class Reader(Protocol):
-    """What takes operations."""
+    """Receiver of operations."""
 
     def add(self, name: str, inputs: list[Value], results: list[Value], **parameters: Any) -> Node:
-        """Add one."""
+        """Add an operation."""
         ...
 
 
@@ -55,7 +55,7 @@ def _stack(
 
 
 def _best(reduction: str, is_worse: str) -> Rule:
-    """The place of the first of the largest, or smallest."""
+    """Return the place of the first of the largest, or smallest."""
 
     def rule(
         reader: Reader, inputs: list[Value], results: list[Value], parameters: dict[str, Any]

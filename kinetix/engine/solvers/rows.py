@@ -36,7 +36,7 @@ class Velocity:
         return Velocity(linear=self.linear + other.linear, angular=self.angular + other.angular)
 
     def __mul__(self, scale: Float[Array, "..."]) -> "Velocity":
-        """The same direction; with a duration: how far everything moves."""
+        """Return the same direction; with a duration: how far everything moves."""
         return Velocity(linear=self.linear * scale, angular=self.angular * scale)
 
 
@@ -58,7 +58,7 @@ class Links:
 
     @staticmethod
     def joined(*groups: "Links") -> "Links":
-        """The links of several groups, one after the other."""
+        """Return the links of several groups, one after the other."""
         return Links(
             body_a=jnp.concatenate([links.body_a for links in groups], axis=0),
             body_b=jnp.concatenate([links.body_b for links in groups], axis=0),
@@ -134,7 +134,7 @@ def turning(turn: Float[Array, "k n"]) -> Directions:
 def make_rows(
     links: Links, masses: tuple[Masses, Masses], directions: Sequence[Directions], store: Store
 ) -> Rows:
-    """The rows of some links.
+    """Return the rows of some links.
 
     Args:
         links: Whom they act on.
@@ -162,7 +162,7 @@ def make_rows(
 
 
 def first_of_links(rows: Rows) -> Rows:
-    """The first row of every link."""
+    """Return the first row of every link."""
     kept, start = [], 0
     for links, each in rows.links.in_use.groups:
         kept.append(slice(start, start + links))
@@ -176,7 +176,7 @@ def first_of_links(rows: Rows) -> Rows:
 
 
 def one_row(rows: Rows, index: Int[Array, ""]) -> Rows:
-    """One of the rows, with a link of its own."""
+    """Return one of the rows, with a link of its own."""
     body_a, body_b = row(rows.body_a, index), row(rows.body_b, index)
     in_use = InUse.of((jnp.ones(body_a.shape, bool), 1))
     return _picked(
@@ -204,9 +204,9 @@ def _of_rows(groups: tuple[tuple[int, int], ...], of_links: T) -> T:
 
 
 def _in_a_row(parts: list[Shaped[Array, "_ n"]]) -> Shaped[Array, "m n"]:
-    """One after the other; nothing to do for one part alone, and for empty ones.
+    """Return one after the other; nothing to do for one part alone, and for empty ones.
 
-    Joined in the midst of arithmetic, parts are not free: each entry asks anew in which it lies.
+    Parts that are concatenated within arithmetic are not free: every entry looks up its part.
     """
     filled = [part for part in parts if part.shape[0]] or parts[:1]
     return filled[0] if len(filled) == 1 else jnp.concatenate(filled, axis=0)
@@ -251,7 +251,7 @@ def put_coupling(
 
 
 def diagonal(rows: Rows) -> Float[Array, "m n"]:
-    """The diagonal of `coupling(rows, rows)`."""
+    """Return the diagonal of `coupling(rows, rows)`."""
     straight = dot(rows.direction, rows.direction)
     apart = (rows.mass_a + rows.mass_b) * straight + (
         rows.inertia_a * rows.turn_a**2 + rows.inertia_b * rows.turn_b**2
@@ -260,7 +260,7 @@ def diagonal(rows: Rows) -> Float[Array, "m n"]:
 
 
 def speeds(rows: Rows, velocity: Velocity) -> Float[Array, "m n"]:
-    """Speed of b relative to a along each row of the links in use; 0 for the others."""
+    """Return the speed of b relative to a along each row of the links in use; 0 for the others."""
     links = rows.links
 
     def visit(
@@ -279,7 +279,7 @@ def speeds(rows: Rows, velocity: Velocity) -> Float[Array, "m n"]:
 
 
 def apply(rows: Rows, impulse: Float[Array, "m n"], velocity: Velocity, masses: Masses) -> Velocity:
-    """The velocities after impulses on all rows of the links in use."""
+    """Return the velocities after impulses on all rows of the links in use."""
     bodies = np.arange(velocity.angular.shape[0], dtype=np.int32)[:, None]
     links = rows.links
 
@@ -327,7 +327,7 @@ def matvec(matrix: Float[Array, "m k n"], vector: Float[Array, "k n"]) -> Float[
 
 
 def inverse(matrix: Float[Array, "m m n"]) -> Float[Array, "m m n"]:
-    """Inverse of symmetric positive definite matrices."""
+    """Return the inverse of symmetric positive definite matrices."""
     return -minus_inverse(matrix)
 
 

@@ -56,7 +56,7 @@ Visit = Callable[[Twist, Targets, Any, Any, Solve], tuple[Twist, Any]]
 
 
 def at_bodies(motion: Twist, body: Int[Array, "k n"]) -> Twist:
-    """The motion of each slot's body."""
+    """Return the motion of each slot's body."""
     return take(motion, body)
 
 
@@ -67,7 +67,7 @@ def add_changes(
     change_a: Twist,
     change_b: Twist,
 ) -> Twist:
-    """All bodies after the changes of all slots."""
+    """Return all bodies after the changes of all slots."""
     count = motion.turn.shape[0]
     return motion + onto(change_a, body_a, count) + onto(change_b, body_b, count)
 
@@ -78,7 +78,7 @@ def in_turn(
     """Visit one slot after the other.
 
     What a slot changes is carried to the next one and added there. So the bodies' arrays come out
-    of memory, and not out of a chain of impulses that XLA would compute anew for every body
+    of memory, and not out of a chain of impulses that XLA would recompute for every body
     (docs/physics.md).
     """
     count, worlds = targets.body_a.shape

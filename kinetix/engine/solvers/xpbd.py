@@ -99,14 +99,14 @@ class Xpbd(AbstractSolver):
         return self.slots or usual_room(spec)
 
     def empty_cache(self, spec: SceneSpec) -> Any:
-        """Nothing."""
+        """Return an empty cache: nothing is kept."""
         del spec
         return ()
 
     def step(
         self, world: World, state: State, control: Control, parameters: Parameters, spec: SceneSpec
     ) -> State:
-        """See the contract."""
+        """Advance the world by one time step."""
         store = Store.beside(state.rotation)
         room = self.slots_for(spec)
         found = find_contacts(world, state, parameters, spec, room, store)

@@ -16,7 +16,7 @@ from kinetix.level.compile import Labels
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class AbstractAction(abc.ABC):
-    """A way for an agent to say what the motors and thrusters do.
+    """An action space: how an agent controls the motors and thrusters.
 
     Every kind decodes to the *unified action*: one number −1 … 1 per motor binding, then one number
     0 … 1 per thruster binding.
@@ -39,15 +39,15 @@ class AbstractAction(abc.ABC):
 
     @abc.abstractmethod
     def unified(self, action: Any) -> Float[Array, " u"]:
-        """The unified action, within its bounds."""
+        """Return the unified action, within its bounds."""
 
     @abc.abstractmethod
     def noop_action(self) -> Any:
-        """The action that drives nothing (automatic joints still run)."""
+        """Return the action that drives nothing (automatic joints still run)."""
 
     @abc.abstractmethod
     def random_action(self, key: Array) -> Any:
-        """A random action."""
+        """Return a random action."""
 
     @overload
     def process_action(self, action: Any, state: Labels) -> Control: ...

@@ -16,7 +16,7 @@ def check_action(action: Any, actions: AbstractAction) -> None:
     """Refuse an action of another shape or type.
 
     Raises:
-        KinetixError: It is one; the sentence says what is expected.
+        KinetixError: The action has another shape or type than the space; the message says which.
     """
     space: Any = actions.action_space
     if not is_array(action):
@@ -51,7 +51,7 @@ def check_choice(action: Any, actions: AbstractAction, *, batch: bool = False) -
         batch: True for an action a world.
 
     Raises:
-        KinetixError: It holds a choice that does not exist.
+        KinetixError: The action holds a choice that does not exist.
     """
     space: Any = actions.action_space
     if isinstance(space, Box):
@@ -59,7 +59,7 @@ def check_choice(action: Any, actions: AbstractAction, *, batch: bool = False) -
     chosen = np.asarray(action)
     worlds, shape = chosen.shape[:batch], chosen.shape[batch:]
     if len(worlds) != batch or shape != space.shape or chosen.dtype.kind not in "iu":
-        return  # `check_action` says so
+        return  # `check_action` reports it
     choices = getattr(space, "number_of_dims_per_distribution", None)
     wrong = (chosen < 0) | (chosen >= np.array(choices or space.n))
     if wrong.any():
@@ -75,7 +75,7 @@ def check_choice(action: Any, actions: AbstractAction, *, batch: bool = False) -
 def with_usual_action(
     arguments: tuple[Any, ...], named: Mapping[str, Any]
 ) -> tuple[tuple[Any, ...], dict[str, Any]]:
-    """The arguments of a method, choices of an action as int32: each other type compiles anew."""
+    """The arguments of a method, choices of an action as int32: each other type recompiles."""
     if "action" in named:
         return arguments, {**named, "action": _usual(named["action"])}
     if len(arguments) > 2:

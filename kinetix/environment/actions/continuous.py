@@ -28,18 +28,18 @@ class ContinuousActions(AbstractAction):
         )
 
     def unified(self, action: Float[Array, " u"]) -> Float[Array, " u"]:
-        """The action, clipped to the space."""
+        """Return the action, clipped to the space."""
         space = self.action_space
         return jnp.clip(
             jnp.asarray(action, jnp.float32), jnp.array(space.low), jnp.array(space.high)
         )
 
     def noop_action(self) -> Float[Array, " u"]:
-        """Zeros."""
+        """Return an action of zeros."""
         return jnp.zeros(self.action_space.shape, jnp.float32)
 
     def random_action(self, key: Array) -> Float[Array, " u"]:
-        """Uniform in −1 … 1, the absolute value for thrusters."""
+        """Return a number uniform in −1 … 1, the absolute value for thrusters."""
         uniform = jax.random.uniform(key, self.action_space.shape, minval=-1.0, maxval=1.0)
         is_motor = jnp.arange(uniform.shape[0]) < self.motor_bindings
         return jnp.where(is_motor, uniform, jnp.abs(uniform))

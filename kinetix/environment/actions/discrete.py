@@ -32,9 +32,9 @@ class DiscreteActions(AbstractAction):
         return jnp.concatenate([forward - backward, thrusters.astype(jnp.float32)])
 
     def noop_action(self) -> Int[Array, ""]:
-        """The integer after those of the motors."""
+        """Return the integer after those of the motors."""
         return jnp.asarray(2 * self.motor_bindings, jnp.int32)
 
     def random_action(self, key: Array) -> Int[Array, ""]:
-        """Uniform over all values."""
+        """Return a random action, uniform over all values."""
         return self.action_space.sample(key)

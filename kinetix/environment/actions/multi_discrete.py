@@ -33,9 +33,9 @@ class MultiDiscreteActions(AbstractAction):
         return forward - backward
 
     def noop_action(self) -> Int[Array, " u"]:
-        """Zeros."""
+        """Return an action of zeros."""
         return jnp.zeros(self.action_space.shape, jnp.int32)
 
     def random_action(self, key: Array) -> Int[Array, " u"]:
-        """Uniform over the classes of every entry."""
+        """Return a random action, uniform over the classes of every entry."""
         return self.action_space.sample(key)

@@ -32,7 +32,7 @@ _LARGEST_SEED: Final = 2**32
 
 
 def random_level(seed: int, size: str | Capacity) -> Level:
-    """A random level as a document; the same seed gives the same level.
+    """Return a random level as a document; the same seed gives the same level.
 
     Args:
         seed: Any integer.
@@ -107,7 +107,7 @@ def random_document(state: EnvState, name: str, inertia_model: InertiaModel = "k
 
 
 def mutate_level(level: Level, mutation_name: str, seed: int) -> Level:
-    """A document with one mutation; the document itself where nothing came of it.
+    """Return a document with one mutation; the document itself where nothing came of it.
 
     What the mutation does not touch keeps its ids and numbers; a recorded solution is dropped,
     because it may not win any more. New entities need room in the level's size.
@@ -118,7 +118,7 @@ def mutate_level(level: Level, mutation_name: str, seed: int) -> Level:
         seed: Any integer.
 
     Raises:
-        KinetixError: There is no such mutation.
+        KinetixError: No mutation has this name.
         LevelError: The level does not fit its own size.
     """
     capacity = capacity_of(level)
@@ -137,7 +137,7 @@ def _mutator(name: str, ued: UEDParams) -> Callable[[Array, EnvState], EnvState]
 
 
 def _merged(level: Level, before: Scene, after: Scene, slots: dict[Any, int]) -> Level:
-    """The level with what differs between two compiled forms of it."""
+    """Return the level with what differs between two compiled forms of it."""
     old = _by_slot(
         level_from_scene(before, name=level.name, inertia_model=level.inertia_model), before
     )
@@ -180,7 +180,7 @@ def _merged(level: Level, before: Scene, after: Scene, slots: dict[Any, int]) ->
 
 
 def _by_slot(document: Level, scene: Scene) -> dict[str, dict[int, Any]]:
-    """The entities of a document by the slots that they were read from."""
+    """Return the entities of a document by the slots that they were read from."""
     active = {
         "bodies": np.flatnonzero(scene.world.bodies.active)[ARENA_BODIES:],
         "joints": np.flatnonzero(scene.world.joints.active),
@@ -193,7 +193,7 @@ def _by_slot(document: Level, scene: Scene) -> dict[str, dict[int, Any]]:
 
 
 def _renamed(entity: Body | Joint | Thruster, ids: dict[int, int]) -> Body | Joint | Thruster:
-    """The entity under other ids."""
+    """Return the entity under other ids."""
 
     def name(reference: BodyReference) -> BodyReference:
         return ids[reference] if isinstance(reference, int) else reference

@@ -1,7 +1,7 @@
 """A whole level under construction, and how it becomes the environment's state and back.
 
 A `Draft` lists bodies by slot (polygons, the arena first, then circles), worlds on the last axis.
-It says what a level says and nothing derived: masses, the collision filter and the engine's empty
+It has the data of a level and nothing derived: masses, the collision filter and the engine's empty
 memory come in `states`.
 """
 
@@ -63,7 +63,7 @@ _OF_THRUSTERS = ["thrusters", "thruster_binding"]
 
 @functools.cache
 def _empty_draft(capacity: Capacity, legacy_ceiling: bool) -> Draft:
-    """One world, as numpy arrays: compiled programs hold them as constants."""
+    """Return one world, as numpy arrays: compiled programs hold them as constants."""
     solver = solver_named("jax2d")
     scene = compile_level(Level(name=""), spec=SceneSpec(capacity=capacity), solver=solver)
     with jax.ensure_compile_time_eval():
@@ -197,7 +197,7 @@ def shuffled(draft: Draft, u: Float[Array, "k n"], capacity: Capacity, slots: Ca
 
 
 def _placed(slot_of: Int[Array, "k n"], rows: Array, blank: Array) -> Array:
-    """Rows in their slots; the blank rows elsewhere."""
+    """Return rows in their slots; the blank rows elsewhere."""
     here = jnp.arange(blank.shape[0])[:, None, None] == slot_of[None]
     source = jnp.sum(here * jnp.arange(slot_of.shape[0])[None, :, None], axis=1)
     if not rows.shape[0]:
@@ -273,7 +273,7 @@ def states(draft: Draft, engine: PhysicsEngine, inertia_model: InertiaModel) -> 
 
 
 def _as_from_files(x: Array) -> Array:
-    """The array as a level that is read has it: of 32 bits, in JAX's 64-bit mode too."""
+    """Return the array as a level that is read has it: of 32 bits, in JAX's 64-bit mode too."""
     return x.astype({"float64": jnp.float32, "int64": jnp.int32}.get(str(x.dtype), x.dtype))
 
 

@@ -110,7 +110,7 @@ def thruster_draws(rows: Float[Array, "7 t n"]) -> ThrusterDraws:
 
 
 def raw_keys(keys: Key[Array, " n"] | UInt[Array, "n 2"]) -> UInt[Array, "n 2"]:
-    """Keys of either kind as the numbers behind them."""
+    """Return keys of either kind as the numbers behind them."""
     if jnp.issubdtype(keys.dtype, jax.dtypes.prng_key):
         return jax.random.key_data(keys)
     return keys
@@ -148,13 +148,13 @@ class Tape:
     """
 
     def __init__(self, keys: UInt[Array, "n 2"], length: int) -> None:
-        typed = jax.random.wrap_key_data(keys)  # JAX can be told to refuse numbers as keys
+        typed = jax.random.wrap_key_data(keys)  # JAX can be configured to refuse numbers as keys
         rows = jax.vmap(lambda key: jax.random.uniform(key, (length,), jnp.float32))(typed)
         self._rows = rows.T
         self._next = 0
 
     def take(self, *shape: int) -> Float[Array, "*r n"]:
-        """The next numbers, in this shape and the worlds last."""
+        """Return the next numbers, in this shape and the worlds last."""
         count = math.prod(shape)
         start, self._next = self._next, self._next + count
         if self._next > self._rows.shape[0]:
@@ -172,12 +172,12 @@ def between(
     low: float | Float[Array, "*r n"],
     high: float | Float[Array, "*r n"],
 ) -> Float[Array, "*r n"]:
-    """Uniform real in [low, high)."""
+    """Return uniform real in [low, high)."""
     return low + u * (high - low)
 
 
 def choose(u: Float[Array, "*q n"], weights: Float[Array, "b n"]) -> Int[Array, "*q n"]:
-    """Row drawn with these weights; meaningless where all weights of a world are 0.
+    """Return the row drawn with these weights; meaningless where all weights of a world are 0.
 
     Args:
         u: Uniform numbers; a leading axis `q` draws several times from the same weights.

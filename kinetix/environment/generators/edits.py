@@ -49,7 +49,7 @@ def mutate_state(
     ued_params: UEDParams | None = None,
     **forced: bool,
 ) -> EnvState:
-    """A level with one mutation; the same level where the mutation finds nothing to act on.
+    """Return a level with one mutation; the same level where the mutation finds nothing to act on.
 
     Args:
         key: Random key.
@@ -60,7 +60,7 @@ def mutate_state(
             `add_connected_shape`: the joint is a hinge.
 
     Raises:
-        KinetixError: There is no such mutation.
+        KinetixError: No mutation has this name.
     """
     if name not in MUTATORS:
         raise KinetixError(f"unknown mutation {name!r}: expected one of {', '.join(MUTATORS)}")
@@ -75,7 +75,7 @@ def accel_edit(
     num_edits: int,
     ued_params: UEDParams | None = None,
 ) -> EnvState:
-    """A level with a series of random mutations, drawn by `ACCEL_WEIGHTS`.
+    """Return a level with a series of random mutations, drawn by `ACCEL_WEIGHTS`.
 
     Args:
         key: Random key.
@@ -128,7 +128,7 @@ def _series(
 
 
 def _weights(draft: Draft) -> Array:
-    """Weights of the ACCEL mutations, 0 where there is no room or nothing to take away."""
+    """Return weights of the ACCEL mutations, 0 where there is no room or nothing to take away."""
     body = jnp.any(~draft.figures.active[ARENA_BODIES:], axis=0)
     possible = {
         "add_shape": body,
@@ -209,7 +209,7 @@ def settled(
 
 
 def _differing(before: Draft, after: Draft) -> Bool[Array, "b n"]:
-    """Bodies of another shape or angle."""
+    """Return bodies of another shape or angle."""
     old, new = before.figures, after.figures
     return ~_same_bodies(before, after) | (old.rotation != new.rotation)
 
@@ -249,7 +249,7 @@ def _rebuilt(
 
 
 def _same_bodies(before: Draft, after: Draft) -> Bool[Array, "b n"]:
-    """Bodies whose mass has no reason to change."""
+    """Return bodies whose mass has no reason to change."""
     old, new = before.figures, after.figures
     same = jnp.all(old.vertices == new.vertices, axis=(1, 2)) & (old.radius == new.radius)
     same = same & (old.density == new.density)

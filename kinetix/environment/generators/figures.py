@@ -70,7 +70,7 @@ def is_arena(figures: Figures) -> Bool[Array, "b 1"]:
 
 
 def movable_rows(figures: Figures) -> Bool[Array, "b n"]:
-    """Active bodies besides the arena."""
+    """Return active bodies besides the arena."""
     return figures.active & ~is_arena(figures)
 
 
@@ -104,7 +104,7 @@ def mass(figures: Figures) -> Float[Array, "*r n"]:
 
 
 def inertia(figures: Figures, inertia_model: InertiaModel) -> Float[Array, "*r n"]:
-    """Moment of inertia about the frame's origin [kg m²], as if not fixed.
+    """Return the moment of inertia about the frame's origin [kg m²], as if not fixed.
 
     Args:
         figures: Bodies whose frame's origin is their centre of mass.
@@ -130,7 +130,7 @@ def inertia(figures: Figures, inertia_model: InertiaModel) -> Float[Array, "*r n
 
 
 def centroid(figures: Figures, inertia_model: InertiaModel) -> Float[Array, "*r 2 n"]:
-    """Centre of mass of polygons in their own frame [m]; 0 for circles.
+    """Return the centre of mass of polygons in their own frame [m]; 0 for circles.
 
     Args:
         figures: The bodies.
@@ -158,7 +158,7 @@ def _triangle_area(a: Array, b: Array, c: Array) -> Array:
 
 
 def bounds(figures: Figures) -> tuple[Float[Array, "*r 2 n"], Float[Array, "*r 2 n"]]:
-    """Least and greatest coordinates of a polygon's corners in its own frame [m]."""
+    """Return the least and greatest coordinates of a polygon's corners in its own frame [m]."""
     counts = jnp.stack([has_vertex(figures, k) for k in range(VERTICES)], axis=-2)
     real = counts[..., :, None, :]
     low = jnp.min(jnp.where(real, figures.vertices, jnp.inf), axis=-3)

@@ -43,7 +43,7 @@ def noop_solved(
 def noop_rewards(
     env: "KinetixEnv", states: EnvState, env_params: EnvParams, *, steps: int = FILTER_STEPS
 ) -> Float[Array, " n"]:
-    """The rewards with which episodes end when nothing is done.
+    """Return the rewards with which episodes end when nothing is done.
 
     Args:
         env: The environment that the levels are for.
@@ -104,7 +104,7 @@ def sample_filtered_levels(
     steps: int = FILTER_STEPS,
     ratio: int = SAMPLE_RATIO,
 ) -> EnvState:
-    """Levels of which (nearly) none is solved by doing nothing.
+    """Return levels; (nearly) none is solved by doing nothing.
 
     Args:
         key: Random key.

@@ -127,7 +127,7 @@ def checked_options(ued_params: Any) -> UEDParams:
         ued_params: The argument.
 
     Raises:
-        KinetixError: It is something else, or has a number that no level can be drawn by.
+        KinetixError: The value has another type, or a number that no level can be generated with.
     """
     if ued_params is None:
         return UEDParams()
@@ -150,7 +150,7 @@ def checked_drawing(
         order: Right order of the arguments, for the sentence.
 
     Raises:
-        KinetixError: One is something else, or has a number that cannot be.
+        KinetixError: An argument has another type, or a number out of range.
     """
     check_params(env_params, order)
     if physics_engine is None:

@@ -79,7 +79,7 @@ def is_small(capacity: Capacity) -> bool:
 
 
 def draw_floor_role(u: Float[Array, " n"], ued: UEDParams) -> Int[Array, " n"]:
-    """The floor's role by the floor probabilities."""
+    """Return the floor's role by the floor probabilities."""
     weights = ued.floor_probabilities
     threshold = u * sum(weights)
     passed = (threshold >= sum(weights[: k + 1]) for k in range(len(weights) - 1))
@@ -89,7 +89,7 @@ def draw_floor_role(u: Float[Array, " n"], ued: UEDParams) -> Int[Array, " n"]:
 def draw_levels(
     keys: UInt[Array, "n 2"], capacity: Capacity, ued: UEDParams, slots: Capacity | None = None
 ) -> Draft:
-    """Random levels, one per key.
+    """Return random levels, one per key.
 
     Args:
         keys: A level is a function of its key alone, whatever the batch.
@@ -189,7 +189,7 @@ def _grow(
 
 
 def _arena_boxes(worlds: int, capacity: Capacity) -> Boxes:
-    """The outlines of levels with nothing but the arena."""
+    """Return the outlines of levels with nothing but the arena."""
     one = boxes(empty_draft(1, capacity).figures)
     return jax.tree.map(lambda x: jnp.broadcast_to(x, (*x.shape[:-1], worlds)), one)
 
@@ -254,12 +254,12 @@ def _propose(
 
 
 def _over(condition: Bool[Array, " n"], like: Array) -> Array:
-    """The condition with as many axes as `like`, worlds last."""
+    """Return the condition with as many axes as `like`, worlds last."""
     return condition.reshape((1,) * (like.ndim - 1) + condition.shape)
 
 
 def _first_minimum(score: Float[Array, "q n"]) -> Int[Array, " n"]:
-    """The row of the least score; XLA does not vectorise `argmin` over the worlds."""
+    """Return the row of the least score; XLA does not vectorise `argmin` over the worlds."""
     best, least = jnp.zeros(score.shape[1:], jnp.int32), score[0]
     for k in range(1, score.shape[0]):
         better = score[k] < least
@@ -305,7 +305,7 @@ def _swap_roles(role: Int[Array, "b n"], swap: Bool[Array, " n"]) -> Int[Array, 
 def level_sampler(
     engine: PhysicsEngine, ued: UEDParams, capacity: Capacity | None = None
 ) -> Callable[[Key[Array, ""]], EnvState]:
-    """The function from a key to a random level; compiled once per engine and options.
+    """Return the function from a key to a random level; compiled once per engine and options.
 
     Args:
         engine: Sizes and solver of the states.
@@ -329,7 +329,7 @@ def sample_kinetix_level(
     static_env_params: StaticEnvParams,
     ued_params: UEDParams | None = None,
 ) -> EnvState:
-    """A random level at the start of its episode.
+    """Return a random level at the start of its episode.
 
     Args:
         key: Random key; the same key gives the same level.

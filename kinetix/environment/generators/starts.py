@@ -46,7 +46,7 @@ START_THRUSTER_POWER: Final = 2.0
 def mixed_sampler(
     engine: PhysicsEngine, ued_params: UEDParams | None = None
 ) -> Callable[[Key[Array, ""]], EnvState]:
-    """The function from a key to a random level of size s, m or l, equally often.
+    """Return the function from a key to a random level of size s, m or l, equally often.
 
     Args:
         engine: Sizes and solver; levels of smaller sizes leave slots empty.
@@ -86,7 +86,7 @@ def _where(condition: Bool[Array, " n"], new: Array, old: Array) -> Array:
 def accel_start_sampler(
     engine: PhysicsEngine, ued_params: UEDParams | None = None
 ) -> Callable[[Key[Array, ""]], EnvState]:
-    """The function from a key to a simple level: green, blue, and something that drives.
+    """Return the function from a key to a simple level: green, blue, and something that drives.
 
     Args:
         engine: Sizes and solver.

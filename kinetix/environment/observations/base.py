@@ -56,4 +56,4 @@ class AbstractObservation(abc.ABC):
 
     @abc.abstractmethod
     def __call__(self, state: EnvState) -> Any:
-        """The observation of one state."""
+        """Return the observation of one state."""

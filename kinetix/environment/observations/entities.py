@@ -110,7 +110,7 @@ class EntityObservations(AbstractObservation):
         }
 
     def __call__(self, state: EnvState) -> EntityObservation:
-        """The rows, masks and indices."""
+        """Return the rows, masks and indices."""
         layout = self.layout
         state = dataclasses.replace(
             state,

@@ -46,7 +46,7 @@ class Layout:
     motor_bindings: int
     thruster_bindings: int
     max_timesteps: int
-    """Time limit of levels that do not say; width of the blind form."""
+    """Time limit of levels without one; width of the blind form."""
     env_params: EnvParams
     """For the picture: pixels per metre."""
     static_env_params: StaticEnvParams
@@ -58,7 +58,7 @@ class Layout:
 
     @classmethod
     def of(cls, env_params: EnvParams, static_env_params: StaticEnvParams) -> "Layout":
-        """The layout of an environment."""
+        """Return the layout of an environment."""
         return cls(
             capacity=static_env_params.capacity,
             roles=env_params.num_shape_roles,
@@ -159,7 +159,7 @@ class Layout:
         return Feature(name="gravity_y", unit="10 m/s²", meaning="vertical gravity / 10")
 
     def body_columns(self, name: str) -> tuple[Feature, ...]:
-        """A one-hot over the bodies in global order."""
+        """Return a one-hot over the bodies in global order."""
         labels = tuple(
             [f"polygon_{index}" for index in range(self.capacity.polygons)]
             + [f"circle_{index}" for index in range(self.capacity.circles)]

@@ -38,6 +38,6 @@ class FlatObservations(AbstractObservation):
         return {"": self.layout.flat}
 
     def __call__(self, state: EnvState) -> Float[Array, " f"]:
-        """The vector."""
+        """Return the vector."""
         parts = [rows.reshape(-1) for rows in flat_rows(state, self.layout)]
         return bounded(jnp.concatenate([*parts, gravity_feature(state)[None]]))

@@ -46,7 +46,7 @@ class FlatPaddedObservations(AbstractObservation):
         }
 
     def __call__(self, state: EnvState) -> Float[Array, "e f"]:
-        """The matrix: polygons, circles, joints, thrusters."""
+        """Return the matrix: polygons, circles, joints, thrusters."""
         width = self.layout.padded_width
         groups = []
         for kind, rows in enumerate(flat_rows(state, self.layout)):

@@ -53,7 +53,7 @@ class PixelObservations(AbstractObservation):
         return {"image": channels, "global_info": (self.layout.gravity,)}
 
     def __call__(self, state: EnvState) -> PixelObservation:
-        """The picture of one state."""
+        """Return the picture of one state."""
         render = make_render_pixels_rl(self.layout.env_params, self.layout.static_env_params)
         return PixelObservation(
             image=render(state),

@@ -26,12 +26,12 @@ def finite(tree: Any) -> Any:
 
 
 def gravity_feature(state: EnvState) -> Float[Array, ""]:
-    """Vertical gravity over 10 m/s²."""
+    """Return the vertical gravity over 10 m/s²."""
     return state.world.gravity[1] / GRAVITY_SCALE
 
 
 def body_rows(state: EnvState, layout: Layout) -> tuple[Array, Array]:
-    """Polygons' rows and circles' rows."""
+    """Return polygons' rows and circles' rows."""
     polygons = layout.capacity.polygons
     bodies, physics = state.world.bodies, state.physics
     base = jnp.concatenate(
@@ -74,7 +74,7 @@ def body_rows(state: EnvState, layout: Layout) -> tuple[Array, Array]:
 
 
 def joint_rows(state: EnvState, layout: Layout) -> tuple[Array, Array]:
-    """Joints' rows seen from body b, and seen from body a."""
+    """Return joints' rows seen from body b, and seen from body a."""
     joints = state.world.joints
     hinge = ~joints.fixed
     low, high = joints.limit_min, joints.limit_max
@@ -115,7 +115,7 @@ def joint_rows(state: EnvState, layout: Layout) -> tuple[Array, Array]:
 
 
 def thruster_rows(state: EnvState, layout: Layout) -> Float[Array, "t f"]:
-    """Thrusters' rows."""
+    """Return the rows of thrusters."""
     thrusters = state.world.thrusters
     return jnp.concatenate(
         [
@@ -131,7 +131,7 @@ def thruster_rows(state: EnvState, layout: Layout) -> Float[Array, "t f"]:
 
 
 def flat_rows(state: EnvState, layout: Layout) -> tuple[Array, Array, Array, Array]:
-    """The rows of the flat forms by kind: polygons, circles, joints, thrusters.
+    """Return the rows of the flat forms by kind: polygons, circles, joints, thrusters.
 
     Walls and ceiling are left out, bodies of joints and thrusters are one-hot columns, rows of
     inactive entities are zero.

@@ -32,7 +32,7 @@ def build_set(
     split: float = DEFAULT_SPLIT,
     seed: int = 0,
 ) -> LoadedSet:
-    """A set of levels: equal ones once, none with an error, split by the seed.
+    """Return a set of levels: equal ones once, none with an error, split by the seed.
 
     Args:
         levels: What goes in; of equal levels (by hash) the first stays, with the largest weight of
@@ -78,7 +78,7 @@ def _refuse_errors(levels: Sequence[SetLevel]) -> None:
     """Refuse levels with errors, and name them at once.
 
     Raises:
-        LevelError: Some have.
+        LevelError: Some levels have errors.
     """
     wrong = []
     for each in levels:
@@ -93,7 +93,7 @@ def _refuse_larger(made: LoadedSet) -> None:
     """Refuse a level that does not fit the set's size.
 
     Raises:
-        LevelError: One does not.
+        LevelError: A level does not fit.
     """
     capacity = made.capacity if made.levels else None
     for each in made.levels:

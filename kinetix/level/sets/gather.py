@@ -89,7 +89,7 @@ def place_of(source: str | Path) -> Path:
 def level_files(folder: Path) -> Iterator[Path]:
     """Yield everything below a folder that is called a level, in the order of names.
 
-    Level sets are left out; links that lead nowhere are not, so that they are told.
+    Level sets are left out; links that lead nowhere are not, so that they are reported.
     """
     for path in json_files(folder):
         if not os.path.isdir(path) and not (os.path.isfile(path) and is_set_file(path)):
@@ -133,7 +133,7 @@ def _from_file(path: Path, name: Path) -> SetLevel:
 
 
 def _told_apart(levels: Sequence[SetLevel]) -> list[SetLevel]:
-    """Return the levels with names that differ: results are told by name."""
+    """Return the levels with unique names: results are stored by name."""
     given = {each.name for each in levels}
     numbers = collections.defaultdict(functools.partial(itertools.count, 2))
     taken: set[str] = set()

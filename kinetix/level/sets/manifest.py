@@ -84,7 +84,7 @@ class SetLevel:
 
     @property
     def played(self) -> Level | Path:
-        """The level to play: the document, or kinetix-env's file, which says more."""
+        """The level to play: the document, or kinetix-env's file, which has more data."""
         return self.level if self.native or self.path is None else self.path
 
 
@@ -113,10 +113,10 @@ class LoadedSet:
 
 
 def common_capacity(levels: Iterable[Level]) -> Capacity:
-    """The element-wise largest capacity of several levels.
+    """Return the element-wise largest capacity of several levels.
 
     Raises:
-        LevelError: There is no level.
+        LevelError: No level is given.
     """
     capacity: Capacity | None = None
     for level in levels:

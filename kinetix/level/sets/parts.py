@@ -24,12 +24,12 @@ def training_part(levels: Sequence[SetLevel]) -> list[SetLevel]:
     chosen = [each for each in levels if each.split != "eval"]
     if levels and not chosen:
         raise LevelError(
-            f"{plural(len(levels), 'level')} for evaluation, none to train on: draw the split "
-            "anew with `kinetix levelset split SET --seed 0`, or give the levels without a set"
+            f"{plural(len(levels), 'level')} for evaluation, none to train on: draw another "
+            "split with `kinetix levelset split SET --seed 0`, or give the levels without a set"
         )
     return chosen
 
 
 def evaluation_part(levels: Sequence[SetLevel]) -> list[SetLevel]:
-    """Return the evaluation parts of sets; all levels where there is none."""
+    """Return the evaluation parts of sets; all levels of sets without one."""
     return [each for each in levels if each.split == "eval"] or list(levels)

@@ -28,7 +28,7 @@ def path_in_set(path: Path, folder: Path) -> str | None:
 
 
 def relative_path(path: Path, folder: Path) -> str:
-    """A path as a manifest in `folder` says it, with forward slashes."""
+    """Return a path as a manifest in `folder` has it, with forward slashes."""
     return Path(os.path.relpath(path.resolve(), folder.resolve())).as_posix()
 
 

@@ -31,10 +31,10 @@ from kinetix.level.sets.paths import plain_name, within_reach
 
 
 def is_set_file(path: Path) -> bool:
-    """Return whether a JSON file is a level set; a file that cannot be read is none."""
+    """Return whether a JSON file is a level set; a file that cannot be read is not."""
     try:
         text = read_text(path, "set")
-        if f'"{LEVELSET_FORMAT}"' not in text:  # most files are levels: tell them without parsing
+        if f'"{LEVELSET_FORMAT}"' not in text:  # parsing most levels would be wasted
             return False
         tree = parse_json(text, str(path))
     except LevelError:
@@ -73,7 +73,7 @@ def check_manifest(manifest: LevelSet, file: str) -> None:
 
 
 def loads_set(text: str, file: str, *, folder: Path) -> LoadedSet:
-    """Like `load_set`, from text.
+    """Read a set from text, as `load_set` does from a file.
 
     Args:
         text: The manifest.
@@ -173,7 +173,7 @@ def _read_manifest(
 def _without_level(
     entry: Any, index: int, file: str, inline: dict[int, Level], faults: FaultCollector
 ) -> Any:
-    """An entry without its inline level, which goes to `inline`."""
+    """Return an entry without its inline level, which goes to `inline`."""
     path = f"$.levels[{index}]"
     if not isinstance(entry, dict):
         return entry

@@ -13,7 +13,7 @@ from kinetix.level.sets.read import check_manifest, is_set_file
 
 
 def dumps_set(loaded: LoadedSet, *, inline: bool = False) -> str:
-    """Canonical text of a set.
+    """Return the canonical text of a set.
 
     Args:
         loaded: The set.
@@ -21,7 +21,8 @@ def dumps_set(loaded: LoadedSet, *, inline: bool = False) -> str:
             and those out of the set's reach always do.
 
     Raises:
-        LevelError: It could not be read again: its name is too long, or it has too many levels.
+        LevelError: The set could not be read again: its name is too long, or it has too many
+            levels.
     """
     check_manifest(loaded.manifest, f"set {loaded.manifest.name[:LONGEST_NAME]!r}")
     tree = {"format": LEVELSET_FORMAT, "version": VERSION} | record_tree(loaded.manifest)
@@ -43,7 +44,7 @@ def inline_losses(loaded: LoadedSet, *, inline: bool = False) -> list[str]:
         inline: As for `dumps_set`.
 
     Returns:
-        One sentence for each such file that says more than its level, or that was mended.
+        One sentence per such file that has more than its level, or that was repaired.
 
     Raises:
         LevelError: A file is gone or damaged since it was read.

@@ -32,7 +32,7 @@ __all__ = [
 
 
 def validate(level: Level) -> tuple[Issue, ...]:
-    """All static problems of a level, errors first, in the order of their codes."""
+    """Return all static problems of a level, errors first, in the order of their codes."""
     issues = list(value_issues(level))
     # Geometry of numbers that are not finite, or of missing corners, means nothing.
     broken: set[BodyReference] = {reference for issue in issues for reference in issue.ids}

@@ -1,4 +1,4 @@
-"""One problem of a level, and how it is told."""
+"""One problem of a level, and its message."""
 
 import dataclasses
 from typing import Literal
@@ -32,7 +32,7 @@ def has_errors(issues: tuple[Issue, ...]) -> bool:
 def issue(
     code: str, message: str, *, path: str = "$", ids: tuple[BodyReference, ...] = (), fix: str = ""
 ) -> Issue:
-    """Make a problem; how bad it is, its code says: E… or W…."""
+    """Make a problem; its code has the severity: E… or W…."""
     severities: dict[str, Severity] = {"E": "error", "W": "warning"}
     return Issue(
         code=code, severity=severities[code[0]], path=path, message=message, ids=ids, fix=fix

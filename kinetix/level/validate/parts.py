@@ -173,7 +173,7 @@ def _limit_issues(joint: Joint, path: str) -> Iterator[Issue]:
 
 
 def _excluded_issues(joint: Joint, name: str, turn: float, path: str) -> Iterator[Issue]:
-    """Yield a hinge that is drawn outside its limits; the engine counts whole turns and sorts them.
+    """Report a hinge drawn outside its limits; the engine sorts limits and counts whole turns.
 
     Args:
         joint: A hinge.

@@ -25,7 +25,7 @@ class Placed:
 
 
 def placed_bodies(level: Level, broken: set[BodyReference]) -> list[Placed]:
-    """The bodies that have a place, the arena's first."""
+    """Return the bodies that have a place, the arena's first."""
     listed: list[tuple[BodyReference, Body, str]] = [
         (name, body, f"$.arena.{name}")
         for name, body in zip(ARENA_NAMES, arena_bodies(level.arena), strict=True)
@@ -41,7 +41,7 @@ def placed_bodies(level: Level, broken: set[BodyReference]) -> list[Placed]:
 def place_issues(level: Level, placed: list[Placed]) -> Iterator[Issue]:
     """Yield bodies outside of the arena, or larger than generators make them (W203, W206).
 
-    Where nothing has to stay inside, because the arena has no walls, one issue tells of them all.
+    If nothing has to stay inside, because the arena has no walls, one issue lists them all.
     """
     walled = any(getattr(level.arena, name).collision != "ghost" for name in ARENA_NAMES)
     away = [e for e in placed if not isinstance(e.reference, str) and outside_arena(e.box)]

@@ -8,11 +8,11 @@ from kinetix.level.model import Motor
 from kinetix.scenes.model import GRAVITY, SuiteScene, Trial
 
 TILES = 16
-"""In a floor."""
+"""Tiles of a floor."""
 SPEEDS = (1.0, 5.0, 20.0, 60.0)
-"""[m/s]."""
+"""Speeds of the body at the start [m/s]."""
 SEGMENTS = 14
-"""In a valley or on a hill."""
+"""Segments of a valley or hill."""
 
 
 def _slider(b: LevelBuilder, kind: str, x: float, y: float, speed: float, friction: float) -> int:
@@ -81,7 +81,7 @@ def _free_tiles() -> tuple[Trial, ...]:
 
 
 def _lower() -> tuple[Trial, ...]:
-    """A tile, then one that is lower."""
+    """Place a tile, then a lower one."""
 
     def trial(kind: str, drop: float, speed: float) -> Trial:
         b = LevelBuilder("Lower neighbour", arena=False)

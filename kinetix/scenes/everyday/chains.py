@@ -1,4 +1,4 @@
-"""Chains that hang over a post, with a load at each end."""
+"""Chains over a post, with a load at each end."""
 
 import math
 import random
@@ -7,7 +7,7 @@ from kinetix.level.builder import LevelBuilder
 from kinetix.scenes.everyday.model import EverydayClass, EverydayScene, Room, scene
 
 WIDTH = 0.05
-"""Of the links [m]."""
+"""Width of the links [m]."""
 
 
 def draped(

@@ -47,7 +47,7 @@ class EverydayScene:
     rests: tuple[int, ...] = ()
     """Bodies that must not move from the time `rests_from` on."""
     rests_from: float = 0.0
-    """[s]."""
+    """Time from which the bodies of `rests` must not move [s]."""
     inside: tuple[int, ...] = ()
     """Bodies whose centres must stay in `box`."""
     box: tuple[float, float, float, float] = (0.0, 0.0, WIDTH, WIDTH)

@@ -8,7 +8,7 @@ from kinetix.level.model import Level
 from kinetix.scenes.everyday.model import EverydayClass, EverydayScene, Room, scene
 
 THICKNESS = 0.2
-"""Of the tiles [m]."""
+"""Thickness of the tiles [m]."""
 
 
 def _make(rng: random.Random, room: Room) -> EverydayScene:

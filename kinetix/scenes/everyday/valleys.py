@@ -8,7 +8,7 @@ from kinetix.level.builder import LevelBuilder
 from kinetix.scenes.everyday.model import EverydayClass, EverydayScene, Room, scene
 
 THICKNESS = 0.2
-"""Of the segments [m]."""
+"""Thickness of the segments [m]."""
 
 
 def _make(rng: random.Random, room: Room) -> EverydayScene:

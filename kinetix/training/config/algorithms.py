@@ -1,4 +1,4 @@
-"""Which configuration each algorithm takes."""
+"""Configuration of each algorithm."""
 
 from kinetix.training.config.bc import BcConfig
 from kinetix.training.config.ppo import PpoConfig

@@ -63,7 +63,7 @@ class BcConfig(PpoConfig):
         """Nothing is played, so `minibatch_size` alone counts."""
 
     def check(self) -> None:
-        """See `PpoConfig.check`."""
+        """Refuse settings that cannot work, as `PpoConfig.check` does."""
         super().check()
         if not self.data:
             raise KinetixError(

@@ -53,7 +53,7 @@ class PpoConfig:
     levels: tuple[str, ...] = ()
     """Folders, files, names or sets of levels; implies the mode `list`."""
     demo_starts: float = 0.0
-    """Share of the episodes that begin somewhere on the way of a win of `levels`: the recorded
+    """Share of episodes that start from a state along a winning episode of `levels`: the recorded
     solution, or one that is searched for. Random levels have none."""
     physics: str = DEFAULT_PHYSICS
     """Physics preset or solver."""
@@ -193,7 +193,7 @@ class PpoConfig:
         )
 
     def uneven(self, devices: int) -> str:
-        """Say what has no equal shares on so many devices; nothing where everything has.
+        """Return what these devices cannot share equally; empty if they can share everything.
 
         Args:
             devices: How many, over all processes.
@@ -216,7 +216,7 @@ class PpoConfig:
         return f"{name} = {value} must be a multiple of the {devices} devices"
 
     def _shuffled_units(self) -> int:
-        """Number of environments, or of single steps, that are shuffled into minibatches."""
+        """Return the number of environments, or of steps, that are shuffled into minibatches."""
         return self.num_train_envs * (self.num_steps if self.full_minibatch_shuffle else 1)
 
     def fits_devices(self, devices: int) -> bool:
@@ -231,7 +231,7 @@ class PpoConfig:
         """Refuse what cannot work, before anything is compiled.
 
         Raises:
-            KinetixError: One sentence that names the fields.
+            KinetixError: Fields have values that cannot work; one sentence that names them.
         """
         for field in dataclasses.fields(self):
             _check_choice(field, getattr(self, field.name))

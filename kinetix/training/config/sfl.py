@@ -55,7 +55,7 @@ class SflConfig(PpoConfig):
         return odd
 
     def check(self) -> None:
-        """See `PpoConfig.check`."""
+        """Refuse settings that cannot work, as `PpoConfig.check` does."""
         super().check()
         if self.num_to_save > self.batch_size * self.num_batches:
             raise KinetixError(

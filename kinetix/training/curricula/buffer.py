@@ -34,7 +34,7 @@ class LevelBuffer:
 
 
 def empty_buffer(level: Any, capacity: int) -> LevelBuffer:
-    """A buffer without levels.
+    """Return a buffer without levels.
 
     Args:
         level: Any level, for shapes and dtypes.
@@ -185,7 +185,7 @@ def revise(
 def _mixed(
     buffer: LevelBuffer, by_score: Float[Array, " m"], config: ReplayConfig
 ) -> Float[Array, " m"]:
-    """Weights by score and weights by staleness together."""
+    """Return weights by score and weights by staleness together."""
     stale = jnp.where(buffer.filled, buffer.draws - buffer.last_draw, 0).astype(jnp.float32)
     uniform = buffer.filled / jnp.maximum(jnp.sum(buffer.filled), 1)
     total = jnp.sum(stale)

@@ -64,7 +64,7 @@ class History:
             trainer: Whose buffer.
             state: Of the trainer, now.
             course: Where the training stands.
-            say: Takes a sentence where the earlier history cannot be read.
+            say: Takes a message if the earlier history cannot be read.
         """
         self._run, self._trainer, self._course = run, trainer, course
         self._every = max(1, -(-course.updates // _PAGES))
@@ -81,7 +81,7 @@ class History:
                 self._ledger = Ledger.of_arrays(read_slots(run, update), slots)
                 self._shown = {one.serial for one in read_page(run, update).head.levels}
             except (KinetixError, ValueError) as error:
-                say(f"the curriculum's history begins anew: {error}")
+                say(f"the curriculum's history starts over: {error}")
 
     def follow(self, update: int, state: Any, *, page: bool) -> None:
         """Take in an update.

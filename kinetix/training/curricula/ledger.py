@@ -19,9 +19,9 @@ class Departure:
     serial: int
     update: int
     reason: str
-    """`outscored`: a better level took its slot; `refilled`: the buffer was filled anew."""
+    """`outscored`: a better level took its slot; `refilled`: the buffer was refilled."""
     by: int
-    """Serial number of the level that took its slot; −1 where that says nothing."""
+    """Serial number of the level that took its slot; −1 if there is none."""
     score: float
     """Its last one."""
     solve_rate: float | None
@@ -153,7 +153,7 @@ class Ledger:
             slots: The buffer's capacity.
 
         Raises:
-            ValueError: They are of another buffer.
+            ValueError: The arrays are of another buffer.
         """
         found = cls(slots)
         for name, value in arrays.items():

@@ -96,7 +96,7 @@ def write_page(
 
     Args:
         run: The run's directory.
-        head: What it says.
+        head: Totals of the page.
         levels: Those that it lists.
         slots: Of the ledger, so that a run that goes on knows who is who.
     """
@@ -129,7 +129,7 @@ def read_page(run: Path, update: int) -> BufferPage:
     """Return a page.
 
     Raises:
-        KinetixError: It is missing or damaged; one sentence.
+        KinetixError: The page is missing or damaged; one sentence.
     """
     path = page_path(run, update)
     arrays = read_npz(path, "curriculum", only=("page", "level", "level_end"))
@@ -153,10 +153,10 @@ def read_page(run: Path, update: int) -> BufferPage:
 
 
 def read_slots(run: Path, update: int) -> dict[str, np.ndarray]:
-    """Return what a page says of the buffer's slots.
+    """Return the slots of the buffer on a page.
 
     Raises:
-        KinetixError: It is missing or damaged; one sentence.
+        KinetixError: The page is missing or damaged; one sentence.
     """
     arrays = read_npz(page_path(run, update), "curriculum")
     return {name: value for name, value in arrays.items() if name.startswith("slot_")}

@@ -85,7 +85,7 @@ class Replay:
         }
 
     def start(self) -> ReplayState:
-        """The state before the first update."""
+        """Return the state before the first update."""
         return self._start()
 
     def _first_state(self) -> ReplayState:
@@ -104,7 +104,7 @@ class Replay:
         )
 
     def update(self, state: Any) -> tuple[Any, dict[str, Array]]:
-        """One step: new levels, a replay, or mutations of the last replay.
+        """Do one step: new levels, a replay, or mutations of the last replay.
 
         Args:
             state: From `start` or the last update.

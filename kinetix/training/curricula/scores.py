@@ -80,7 +80,7 @@ def level_scores(
 
 
 def episode_mean(values: Float[Array, "k n"], done: Array) -> Float[Array, " n"]:
-    """Mean over finished episodes of the mean over their steps; −∞ where none finished.
+    """Return the mean over finished episodes of the mean over their steps; −∞ where none finished.
 
     Args:
         values: One number a step.

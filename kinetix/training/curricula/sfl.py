@@ -88,7 +88,7 @@ class Sfl:
         self.turnover: Turnover | None = None
 
     def start(self) -> SflState:
-        """The state before the first update; the buffer counts as too old to be used."""
+        """Return the state before the first update; the buffer counts as too old to be used."""
         return self._start()
 
     def _first_state(self) -> SflState:
@@ -119,7 +119,7 @@ class Sfl:
         )
 
     def update(self, state: Any) -> tuple[Any, dict[str, Array]]:
-        """Fill the buffer anew when it is old, then train on it and on fresh levels.
+        """Refill the buffer when it is old, then train on it and on fresh levels.
 
         Args:
             state: From `start` or the last update.
@@ -315,7 +315,7 @@ class Sfl:
         return after, episode_means(played.trajectory) | losses
 
     def _levels(self, state: SflState, picked: Array, key: Array) -> EnvState:
-        """The picked levels of the buffer, then fresh ones for the other environments."""
+        """Return the picked levels of the buffer, then fresh ones for the other environments."""
         count = self.config.num_train_envs - self._drawn
         parts = []
         if self._drawn:
@@ -325,7 +325,7 @@ class Sfl:
         return jax.tree.map(lambda *x: jnp.concatenate(x), *parts)
 
     def _fresh(self, pool: EnvState | None, key: Array, count: int) -> EnvState:
-        """Levels that nothing has chosen: new ones, or any of the fixed set."""
+        """Return levels that nothing has chosen: new ones, or any of the fixed set."""
         if pool is None:
             return self.setup.fresh_levels(key, count)
         index = jax.random.randint(key, (count,), 0, self.config.train_buffer_size)
@@ -333,7 +333,7 @@ class Sfl:
 
 
 def _evaluation_states(config: SflConfig, setup: Setup) -> EnvState | None:
-    """The evaluation levels as states, where they are to be trained on too."""
+    """Return the evaluation levels as states, where they are to be trained on too."""
     if not config.put_eval_levels_in_buffer:
         return None
     levels = evaluation_levels(config)
@@ -343,12 +343,12 @@ def _evaluation_states(config: SflConfig, setup: Setup) -> EnvState | None:
             f"num_to_save = {config.num_to_save}"
         )
     states = [level_state(level.source, setup.env.static_env_params) for level in levels]
-    # On the host, where every process that trains has the same.
+    # On the host, where all training processes have the same.
     return jax.tree.map(np.asarray, stack_states(states))
 
 
 def _where(chosen: Bool[Array, " n"], these: Any, those: Any) -> Any:
-    """Rows of one batch where chosen, of another elsewhere."""
+    """Select rows from two batches by a mask."""
 
     def pick(a: Array, b: Array) -> Array:
         return jnp.where(chosen.reshape(-1, *[1] * (a.ndim - 1)), a, b)

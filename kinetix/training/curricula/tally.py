@@ -12,7 +12,7 @@ from kinetix.pytree import pytree
 from kinetix.training.ppo.rollout import Game, Playing, act, begin
 
 MOST_EPISODES: Final = 50
-"""Episodes a level that count; later ones say little more."""
+"""Episodes per level that count; later ones add little."""
 SOLVED_BONUS: Final = 0.001
 """Weight of the success rate in the score; prefers, of two equals, the one that is solved more."""
 

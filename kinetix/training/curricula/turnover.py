@@ -7,7 +7,7 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 
 Kind: TypeAlias = Literal["new", "mutated", "refilled"]
-"""Origin of levels: drawn anew, edited from a level of the buffer, chosen among many."""
+"""Origin of levels: newly sampled, edited from a level of the buffer, chosen among many."""
 KINDS: Final[tuple[Kind, ...]] = ("new", "mutated", "refilled")
 
 

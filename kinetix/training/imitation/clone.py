@@ -52,7 +52,7 @@ class Clone:
             teacher: The agent to start from.
 
         Raises:
-            KinetixError: There is nothing to learn from.
+            KinetixError: The demonstrations leave nothing to learn from.
         """
         steps = config.num_updates * config.num_minibatches
         setup = make_setup(config, gradient_steps=steps, teacher=teacher)
@@ -93,7 +93,7 @@ class Clone:
         return "\n".join([learnt, *(f"left out: {each}" for each in self._passed_over)])
 
     def start(self) -> CloneState:
-        """The state before the first update."""
+        """Return the state before the first update."""
         key, learner_key, rows_key = jax.random.split(jax.random.PRNGKey(self._config.seed), 3)
         statistics = self.setup.start_statistics(self._teacher)
         if statistics is not None:

@@ -60,7 +60,7 @@ class Replayed:
 
 
 class NothingWonError(KinetixError):
-    """No demonstration is won here any more."""
+    """No demonstration wins under the present physics."""
 
 
 def played_again(env: KinetixEnv, episodes: Sequence[Demonstration], *, gamma: float) -> Replayed:
@@ -72,7 +72,7 @@ def played_again(env: KinetixEnv, episodes: Sequence[Demonstration], *, gamma: f
         gamma: Discount a step.
 
     Raises:
-        NothingWonError: None of them wins.
+        NothingWonError: None of the demonstrations wins.
     """
     env = _replaying(env)
     parts: list[dict[str, Any]] = []
@@ -97,8 +97,8 @@ def played_again(env: KinetixEnv, episodes: Sequence[Demonstration], *, gamma: f
             starts.append(each.state)
     if not parts:
         raise NothingWonError(
-            f"none of the {len(episodes)} demonstrations is won here any more: they were made "
-            "under another physics; make them anew with `kinetix teach`"
+            f"none of the {len(episodes)} demonstrations wins under this physics; record them "
+            "again with `kinetix teach`"
         )
     joined = jax.tree.map(lambda *x: np.concatenate(x), *parts)
     lessons = Lessons(
@@ -139,7 +139,7 @@ def _replay(env: KinetixEnv, states: EnvState, actions: Int[Array, "n t 6"]) -> 
 def _won_part(
     told: dict[str, Any], row: int, actions: np.ndarray, gamma: float
 ) -> dict[str, Any] | None:
-    """The moments of one episode up to its win; None where it is not won."""
+    """Return the moments of one episode up to its win; None where it is not won."""
     done = np.flatnonzero(told["done"][:, row])
     if not len(done) or not told["won"][done[0], row]:
         return None

@@ -46,11 +46,11 @@ from kinetix.wording import misfit, thousands
 
 PROGRESS: Final = "teach.json"
 SHARD: Final = 256
-"""Levels that are drawn, searched and written together."""
+"""Levels that are sampled, searched and written together."""
 _HOPELESS: Final = 4
-"""Shards of levels without one that is won, after which none is expected any more."""
+"""The search gives up after this many shards without a win."""
 _COPIES: Final = 2**20
-"""Number of the draws for perturbed starts; those of the turns of a search are less."""
+"""Index of the random key for perturbed starts; rounds of a search have smaller ones."""
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -111,7 +111,7 @@ class Yield(msgspec.Struct, frozen=True, kw_only=True):
     """Environment steps of these."""
     shards: int = 0
     seconds: float = 0.0
-    """Of searching."""
+    """Duration of searching [s]."""
 
     @property
     def share(self) -> float:
@@ -266,7 +266,7 @@ class _Search:
         key: Any,
         first: int,
     ) -> list[tuple[Level, np.ndarray, int]]:
-        """Levels with the plans that may win them: as drawn, perturbed, and mirrored."""
+        """Return levels with the plans that may win them: as drawn, perturbed, and mirrored."""
         if not plans:
             return []
         chosen = jax.tree.map(lambda x: x[np.array(list(plans), int)], levels)

@@ -22,7 +22,7 @@ KEPT: Final = "teach.search"
 
 @dataclasses.dataclass(kw_only=True)
 class _Turns:
-    """How far a search is."""
+    """Progress of a search."""
 
     places: np.ndarray
     """Numbers of the levels that are searched together."""
@@ -120,7 +120,7 @@ def _packed(turns: _Turns, identity: str) -> bytes:
 
 
 def _stopped(kept: Path, identity: str) -> _Turns | None:
-    """The search that the file is of; None where that is another, or the file is damaged."""
+    """Return the search that the file is of; None where that is another, or the file is damaged."""
     try:
         found = {name: array.copy() for name, array in read_npz(kept, "episodes").items()}
     except FileError:

@@ -68,7 +68,7 @@ def policy_loss(
     *,
     clip_eps: float,
 ) -> Float[Array, ""]:
-    """The clipped surrogate, to be minimised.
+    """Return the clipped surrogate, to be minimised.
 
     Args:
         log_prob: Of what was done, under the present policy.

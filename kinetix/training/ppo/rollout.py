@@ -249,7 +249,7 @@ def act(
     levels: EnvState | None = None,
     statistics: Normalisation | None = None,
 ) -> tuple[Playing, Bool[Array, " n"], Bool[Array, " n"]]:
-    """One step of which nothing is kept but how it ended.
+    """Play one step of which nothing is kept but how it ended.
 
     Args:
         game: Environment and network.
@@ -289,7 +289,7 @@ def episode_means(trajectory: Trajectory) -> dict[str, Float[Array, ""]]:
 def _apply(
     game: Game, params: Any, carry: Carry, observation: Any, begins: Array
 ) -> tuple[Carry, Any, Array]:
-    """The network on one step: the axis of time comes and goes."""
+    """Apply the network to one step: the axis of time comes and goes."""
     inputs = jax.tree.map(lambda x: x[None], (observation, begins))
     output: Any = game.network.apply(params, carry, inputs)
     carry, policy, value = output
@@ -299,7 +299,7 @@ def _apply(
 def _values_where(
     game: Game, params: Any, carry: Carry, observation: Any, wanted: Bool[Array, " n"]
 ) -> Float[Array, " n"]:
-    """The critic's values of some observations, 0 elsewhere.
+    """Return the critic's values of some observations, 0 elsewhere.
 
     Few episodes are cut off in any one step, so the rows are packed and worked off in chunks.
     """

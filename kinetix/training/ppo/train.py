@@ -47,7 +47,7 @@ class Ppo:
         self._update = jax.jit(self._one_update)
 
     def start(self) -> PpoState:
-        """The state before the first update."""
+        """Return the state before the first update."""
         return self._start()
 
     def _first_state(self) -> PpoState:
@@ -62,7 +62,7 @@ class Ppo:
         )
 
     def update(self, state: Any) -> tuple[Any, dict[str, Array]]:
-        """One rollout and what is learnt from it.
+        """Do one rollout and learn from it.
 
         Args:
             state: From `start` or the last update.

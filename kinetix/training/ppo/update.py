@@ -255,7 +255,7 @@ def _loss(
 
 
 def _teacher_weight(config: PpoConfig, learner: Learner) -> Float[Array, ""]:
-    """The weight of the teacher's pull: it falls to 0 once the critic has warmed up."""
+    """Return the weight of the teacher's pull: it falls to 0 once the critic has warmed up."""
     assert learner.age is not None
     each = config.rollouts_per_update
     rollouts = max(config.teacher_frac * config.learning_updates, 1.0) * each
@@ -266,7 +266,7 @@ def _teacher_weight(config: PpoConfig, learner: Learner) -> Float[Array, ""]:
 def _minibatches(
     config: PpoConfig, batch: Batch, carry: Carry, key: Array
 ) -> tuple[Batch, tuple[Array, Array]]:
-    """The rollout in shuffled parts, on a new leading axis.
+    """Return the rollout in shuffled parts, on a new leading axis.
 
     Whole environments stay together, so that memory can be replayed, unless single steps are asked
     for. Every part takes equally many from each group of environments.

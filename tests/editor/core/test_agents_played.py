@@ -105,7 +105,8 @@ def test_the_agent_solves_its_level_while_it_is_watched(watched):
 def test_going_on_from_a_moment_gives_the_same_to_the_bit(perform, watched):
     perform(Restore(run=1, snapshot=watched[9]))
     again = perform(Advance(run=1, actions=(None,) * 8))
-    for one, other in zip(watched[10:], again, strict=False):
+    assert len(again) == min(8, len(watched) - 10) > 0
+    for one, other in zip(watched[10:18], again, strict=True):
         np.testing.assert_array_equal(one.position, other.position)
         assert one.mind == other.mind
 

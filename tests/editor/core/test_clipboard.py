@@ -11,7 +11,9 @@ def test_cut_leaves_what_is_not_put_on_the_clipboard(session, hand):
     hand.key("x", ctrl=True)
     assert [entity.id for entity in session.document.level.entities()] == [1, 2, 4, 5, 6]
     assert [body.id for body in clip.loads(session.clipboard.get()).bodies] == [3]
-    assert texts(session)[-1] == "2 things stay: they hang on what was not cut."
+    assert (
+        texts(session)[-1] == "2 items were kept: they are attached to something that was not cut."
+    )
     hand.key("z", ctrl=True)
     session.selection = (1, 2, 5, 6)
     told = len(texts(session))
@@ -34,4 +36,4 @@ def test_cut_says_which_joints_go_with_the_shapes(session, hand):
 def test_what_cannot_be_duplicated_says_so(session, hand, chosen):
     session.selection = chosen
     hand.key("d", ctrl=True)
-    assert texts(session) == ["Only shapes can be duplicated, with what hangs on them."]
+    assert texts(session) == ["Only shapes can be duplicated, with their joints and thrusters."]

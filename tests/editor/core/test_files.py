@@ -111,6 +111,7 @@ def test_fixed_shapes_can_be_set_free_and_free_ones_fixed():
         document = Document(load_level(name))
         for body in document.level.bodies:
             document.commit(SetField(ids=(body.id,), field="fixed", value=not body.fixed))
+            assert document.level.body(body.id).fixed != body.fixed
 
 
 def test_the_copy_of_a_level_that_outgrew_its_size_can_be_restored(tmp_path):

@@ -120,7 +120,7 @@ def test_of_two_wins_the_last_is_offered(session, level):
     for _ in range(40):
         actions.update(session, 1 / 60)
     offers = [toast.text for toast in session.toasts if toast.action == "level.keep_solution"]
-    assert offers == ["Won in 12 steps: shall that be the level's solution?"]
+    assert offers == ["Won in 12 steps: use this as the level's solution?"]
     assert run(session, "level.keep_solution")
     assert len(list(session.document.level.solution.unrolled())) == 12
 
@@ -145,7 +145,7 @@ def test_a_win_after_a_moment_before_a_loss_is_offered_and_no_further_result(ses
     for _ in range(40):
         actions.update(session, 1 / 60)
     assert session.playback.outcome == "won"
-    assert session.toasts[-1].text == "Won in 15 steps: shall that be the level's solution?"
+    assert session.toasts[-1].text == "Won in 15 steps: use this as the level's solution?"
     assert session.results.of(session.document.hash)[Trial(player=HUMAN)].attempts == 1
     run(session, "run.stop")
     assert run(session, "level.keep_solution")

@@ -150,7 +150,7 @@ def test_what_was_learnt_until_it_was_stopped_is_taken(session, stage: Stage, be
     actions.run(session, "agent.stop_training")
     began[0][1].status = 143
     settle(session)
-    assert any("stopped, with what it had learnt" in text for text in texts(session))
+    assert any("stopped; its progress is saved" in text for text in texts(session))
     assert session.viewer.slots["a"].summary.name == "Specialist"
 
 

@@ -39,7 +39,7 @@ def test_what_another_window_saved_outlives_the_next_saves(path, answer):
     actions.run(session, "file.save")
     if answer == "save mine":
         told = {choice.id: choice.detail for choice in session.prompts[-1].choices}
-        assert told["mine"] == "Theirs stays as mine.json.bak2."
+        assert told["mine"] == "The other one is kept as mine.json.bak2."
         session.answer(session.prompts[-1], "mine")
     for _ in range(2):
         session.execute(MOVE)

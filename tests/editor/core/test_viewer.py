@@ -734,7 +734,9 @@ def test_a_saved_comparison_names_the_agents_that_it_leaves_out(with_agent, stag
     evaluation_of(with_agent, "s/a")
     settle(with_agent)
     save_table(with_agent, tmp_path / "table.json")
-    assert texts(with_agent)[-1].endswith("table.json without agents that lack levels: Other")
+    assert texts(with_agent)[-1].endswith(
+        "table.json, without agents that have not played every level: Other"
+    )
 
 
 def test_the_best_of_several_results():

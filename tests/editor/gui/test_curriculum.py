@@ -108,7 +108,7 @@ def test_words_say_where_levels_come_from_and_why_they_left() -> None:
     assert not lineage(page.head.levels[0])
     (gone,) = page.head.gone
     assert why_gone(gone).startswith("Update 4: #9 took its place with a better score")
-    for rate, word in ((1.0, "learnt"), (0.0, "too hard"), (0.5, "filled anew"), (None, "anew")):
+    for rate, word in ((1.0, "learnt"), (0.0, "too hard"), (0.5, "refilled"), (None, "refilled")):
         told = GoneLevel(serial=1, update=4, reason="refilled", by=-1, score=0.1, solve_rate=rate)
         assert word in why_gone(told)
 

@@ -127,7 +127,7 @@ def test_a_name_for_what_is_gone_says_so(make_gui):
     gui.text("Hero")
     gui.session.execute(Remove(ids=(3,)))
     gui.frames(4)
-    assert gui.session.toasts[-1].text == "What was to be called Hero is gone."
+    assert gui.session.toasts[-1].text == "The item to be named Hero no longer exists."
 
 
 def test_names_are_written_on_the_canvas_when_asked_for(make_gui):

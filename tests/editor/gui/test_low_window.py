@@ -53,15 +53,17 @@ def test_every_menu_can_be_opened(low):
     assert not low.session.view.help
 
 
-def test_escape_closes_the_menu_that_holds_the_rest(low):
-    if low.shows("menu.more"):
-        low.click("menu.more")
-        low.move(*low.probe("menu.help").centre)
-        low.frames(20)
-        low.key("escape")
-        low.frames(20)
-        assert not low.shows("menu.app.help")
-        assert not imgui.is_popup_open("", imgui.PopupFlags_.any_popup.value)
+def test_escape_closes_the_menu_that_holds_the_rest(low, language):
+    if language == "en":
+        pytest.skip("every menu fits into the bar")
+    assert low.shows("menu.more")
+    low.click("menu.more")
+    low.move(*low.probe("menu.help").centre)
+    low.frames(20)
+    low.key("escape")
+    low.frames(20)
+    assert not low.shows("menu.app.help")
+    assert not imgui.is_popup_open("", imgui.PopupFlags_.any_popup.value)
 
 
 def test_the_tab_of_a_panel_that_is_brought_to_the_front_is_in_sight(low):

@@ -237,7 +237,7 @@ def test_a_file_that_is_no_script_is_refused_and_stays(tmp_path):
     level = tmp_path / "mine.json"
     save_level(a_level(), level)
     before = level.read_bytes()
-    with pytest.raises(KinetixError, match=r"mine\.json: is no recorded script"):
+    with pytest.raises(KinetixError, match=r"mine\.json: exists and is not a recorded script"):
         Recorder(a_session(), level)
     assert level.read_bytes() == before
     picture = tmp_path / "picture.png"

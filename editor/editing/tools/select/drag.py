@@ -146,7 +146,7 @@ def drag_thruster(session: ToolContext, press: PointerEvent, thruster: int) -> G
 
 
 def _body_under(session: ToolContext, point: Point, own: int) -> int | None:
-    """The body that a thruster at a point pushes: its own while that reaches there."""
+    """Return the body that a thruster at a point pushes: its own while that reaches there."""
     document = session.document
     under = bodies_at(
         document.level, point, without=document.hidden, arena=False, margin=_ON_THE_EDGE

@@ -153,7 +153,7 @@ def _forwarded(gesture: Gesture, event: PointerEvent, offset: Point) -> Gesture:
 
 
 def begin_drag(session: ToolContext, press: PointerEvent, taken: EntityId) -> Gesture | None:
-    """The drag of what was taken: a joint, a thruster, or bodies with what hangs on them."""
+    """Return the drag of what was taken: a joint, a thruster, or bodies with all joined to them."""
     level = session.document.level
     alone = len(session.selection) == 1
     if alone and any(joint.id == taken for joint in level.joints):

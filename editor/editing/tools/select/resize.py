@@ -140,7 +140,7 @@ def _opposite(body: Body, handle: Handle) -> Point:
 
 
 def _grip(handle: Handle, low: Point, high: Point) -> tuple[Point, tuple[int, ...]]:
-    """The dragged point of the box and the axes along which it resizes."""
+    """Return the dragged point of the box and the axes along which it resizes."""
     if handle.kind is HandleKind.SCALE:
         corners = (low, (high[0], low[1]), high, (low[0], high[1]))
         return corners[handle.index], (0, 1)

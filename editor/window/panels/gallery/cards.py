@@ -198,7 +198,7 @@ def _text_size() -> float:
 
 @functools.lru_cache(maxsize=8192)
 def _fitted(words: str, room: float, size: float) -> str:
-    """The words, cut off with an ellipsis where they are wider than the room [px]."""
+    """Return the words, cut off with an ellipsis where they are wider than the room [px]."""
     del size  # part of the key only: the width depends on it
     return widgets.fitted(words, room)
 

@@ -30,7 +30,7 @@ _WITH_LEVELS: Final = (
     ("Put its levels into the set", "gallery.add_to_set"),
     ("Evaluate", "gallery.evaluate"),
 )
-"""What a folder's menu offers, and the action that does it once all its levels are chosen."""
+"""Entries of a folder's menu, with actions that work once all its levels are chosen."""
 
 
 def draw_places(session: "Session") -> None:
@@ -82,7 +82,7 @@ def listed(session: "Session", folder: Path) -> bool:
 def _place(
     session: "Session", folder: Path | None, label: str, count: int | None, *, indent: int = 0
 ) -> None:
-    """One line.
+    """Draw the line of a folder.
 
     Args:
         session: The session.
@@ -123,7 +123,7 @@ def _place(
 
 
 def _folder_menu(session: "Session", folder: Path, *, levels: bool) -> None:
-    """What can be done with a folder, and with its levels if it has some."""
+    """Draw the menu of a folder, with entries for its levels if it has some."""
     for label, action_id in _WITH_LEVELS:
         if imgui.menu_item_simple(tr(label), enabled=levels):
             session.queue(lambda: doing.choose_folder(session, folder))
@@ -137,7 +137,7 @@ def _folder_menu(session: "Session", folder: Path, *, levels: bool) -> None:
 
 
 def _set_menu(session: "Session", path: Path) -> None:
-    """What can be done with a level set."""
+    """Draw the menu of a level set."""
     if imgui.menu_item_simple(tr("Put its levels into the set")):
         session.queue(lambda: level_sets.load_into_set(session, path))
     if imgui.menu_item_simple(tr("Evaluate")):
@@ -186,7 +186,7 @@ def _folder_counts(cards: tuple[Card, ...]) -> Mapping[str, int]:
 
 
 def _inner(folder: Path, counts: Mapping[str, int]) -> list[Path]:
-    """The folders right below one that hold levels, small sizes first."""
+    """Return the folders right below one that hold levels, small sizes first."""
     inner = [path for name in counts if (path := Path(name)).parent == folder]
     order = {name: number for number, name in enumerate(SIZE_ORDER)}
     return sorted(inner, key=lambda path: (order.get(path.name, len(order)), path.name))

@@ -128,7 +128,7 @@ class Side:
 
 
 def _summary(card: Card) -> str:
-    """Size and content in one line."""
+    """Return the size and content in one line."""
     if card.fault:
         return card.fault
     parts = [

@@ -57,7 +57,7 @@ class SetTray:
         self._before: dict[str, float] = {}
         """The set as it was before the weight that is being changed."""
         self._refused: tuple[float, int, dict[str, float], dict[str, str]] = (0.0, -1, {}, {})
-        """When, and of which list and which set, it was looked at last what no set takes."""
+        """Time, list and set of the last search for levels that no set takes."""
 
     def draw(self, session: "Session") -> None:
         """Draw the list into the current window."""

@@ -61,7 +61,7 @@ class ContactSystem:
     loose: Float[Array, "c n"]
     """The smaller value of its two bodies (`Step.loose`)."""
     pivoted: Float[Array, "c n"]
-    """1 where a body turns on a pivot that stands still and neither hangs on what moves, else 0."""
+    """1 if a body turns on a fixed pivot and neither is joined to a moving body, else 0."""
     free: Bool[Array, "b n"]
     """True for bodies that are not fixed."""
 
@@ -74,7 +74,7 @@ def contact_system(
     block: AbstractBlock,
     force: Float[Array, "c n"],
 ) -> tuple[ContactSystem, Float[Array, "g n"]]:
-    """The contacts and limits at the start of a step.
+    """Return the contacts and limits at the start of a step.
 
     Args:
         step: The worlds, what drives them, and the masses.
@@ -161,10 +161,10 @@ def pushed(
 ) -> tuple[Velocity, Float[Array, "k n"]]:
     """The velocities after impulses on the rows, for joints that have turned since the step began.
 
-    Pivots that stand still answer as they stood then, just as whoever chose the impulses foresaw
-    it. With their present answer, an arm that has turned past the point right below its pivot would
-    be thrown by what held it before. Joints between bodies that move answer as they stand: a taut
-    chain would get energy from what its tension was.
+    Joints on fixed pivots respond as at the start of the step, as was assumed when the impulses
+    were chosen. With the present response, an arm that has swung past the lowest point would be
+    flung by the force that supported it. Joints between moving bodies respond as they are now;
+    otherwise the earlier tension of a taut chain would add energy.
 
     Args:
         step: The masses.
@@ -244,7 +244,7 @@ def _responses(
 
 
 def _masses(world: World) -> Float[Array, "b n"]:
-    """The mass of each body; 0 if it is fixed or an empty slot."""
+    """Return the mass of each body; 0 if it is fixed or an empty slot."""
     inverse = world.bodies.inverse_mass
     return jnp.where(inverse > 0, 1 / nonzero(inverse), 0) * world.bodies.active
 
@@ -294,7 +294,7 @@ def _burden(
 def _limit_directions(
     step: Step, state: State
 ) -> tuple[Links, Directions, Bool[Array, "j n"], Float[Array, "j n"]]:
-    """One row a joint with limits: the next of its two; its gap is the angle left [rad].
+    """Return one row a joint with limits: the next of its two; its gap is the angle left [rad].
 
     No row at all in a scene without limits.
     """

@@ -29,7 +29,7 @@ def bounces(
     closed: Bool[Array, "c n"],
     h: Float[Array, " n"],
 ) -> tuple[Float[Array, "c n"], Float[Array, " n"]]:
-    """Return the speeds with which contacts that closed in this substep leave.
+    """Return the separation speed of every contact that closed in this substep.
 
     The approach speed is that of the moment of touching, wherever in the substep it lies, so that
     the energy after the bounce does not depend on it.
@@ -133,7 +133,7 @@ def until_the_impact(
     gap: Float[Array, "g n"],
     h: Float[Array, " n"],
 ) -> Carried:
-    """Give what contacts gave to a body until another one hit it within the substep.
+    """Apply the resting impulses up to the first impact within the substep.
 
     A contact that an impact opens has carried the body up to then. Without that share a block that
     rocks lost half as much energy again at each impact as it should, and a ball at each corner of a

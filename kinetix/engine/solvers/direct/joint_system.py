@@ -92,7 +92,7 @@ class Step:
     loose: Float[Array, "b n"]
     """1 for a body that swings slowly for the substep, 0 for one under great tension."""
     pivoted: Float[Array, "b n"]
-    """1 for a body that hangs on fixed ones alone, negative for one that hangs on what moves."""
+    """1 if all joints lead to fixed bodies, negative if one leads to a moving body."""
     store: Store
     """Keeps intermediate results."""
     features: Features = static()
@@ -100,7 +100,7 @@ class Step:
 
 
 def joint_links(world: World, features: Features) -> Links:
-    """The joints' bodies."""
+    """Return the bodies of the joints."""
     joints = world.joints
     rows = 3 if features.welds or features.motors else 2
     in_use = InUse.of((joints.active, rows))
@@ -154,13 +154,13 @@ def joint_system(
     velocity: Velocity,
     duration: Float[Array, " n"],
 ) -> JointSystem:
-    """The joints at a pose.
+    """Return the joints at a pose.
 
     Args:
         step: The worlds, what drives them, and the masses.
         position: Of all bodies [m].
         rotation: Of all bodies [rad].
-        velocity: Of all bodies; tells how far the motors are from their target.
+        velocity: Velocities of all bodies, for the distance of the motors from their target.
         duration: For how long the motors act in one solve [s].
 
     Returns:
@@ -231,7 +231,7 @@ def project(
     impulse: Float[Array, "k n"],
     bias: Float[Array, "k n"],
 ) -> tuple[Velocity, Float[Array, "k n"]]:
-    """The nearest velocities that satisfy all joints exactly.
+    """Return the nearest velocities that satisfy all joints exactly.
 
     Args:
         step: The worlds and their masses.

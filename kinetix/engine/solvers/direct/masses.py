@@ -1,4 +1,4 @@
-"""The inertia that bodies show: with the stiffness of the joints that they hang on.
+"""Effective inertia of bodies: their own plus the geometric stiffness of loaded joints.
 
 Worlds are on the last axis.
 Source: Andrews, Teichmann & Kry (2017), "Geometric Stiffness for Real-time Constrained Multibody
@@ -23,9 +23,9 @@ def effective_masses(
     A force f at an arm r turns with the body: a spring of stiffness r·f that linearised joints do
     not see. As inertia h²·r·f it keeps heavy hanging loads stable; ordinary scenes do not notice.
     Welds are left out: bodies do not swing about them.
-    h²·r·f over the body's own inertia is (h·swing rate)², which tells taut joints from loose ones.
-    The forces are those of the last step. One that grows at a blow acts for a whole step before
-    it is known, so the inertia is that of a step, not of a substep.
+    h²·r·f over the body's own inertia is (h·swing rate)², which separates taut joints from loose
+    ones. The forces are those of the last step. One that grows at a blow acts for a whole step
+    before it is known, so the inertia is that of a step, not of a substep.
     """
     joints, bodies, cache = world.joints, world.bodies, state.cache
     inverse_inertia = bodies.inverse_inertia
@@ -51,7 +51,7 @@ def effective_masses(
 
 
 def pivoted(world: World, links: Links) -> Float[Array, "b n"]:
-    """1 for bodies that hang on what stands still alone, negative where one hangs on what moves.
+    """1 for bodies joined to fixed bodies only, negative for those joined to a moving one.
 
     What is welded to a fixed body stands still too.
     """

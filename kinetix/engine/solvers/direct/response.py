@@ -42,7 +42,7 @@ class Responses:
         return self.rows.links.in_use
 
     def speed(self, index: Int[Array, ""], motion: Motion) -> Float[Array, " n"]:
-        """Speed of one row in a motion, compliance left aside."""
+        """Return the speed of one row in a motion, compliance left aside."""
         return speed_of_row(self.rows, index, motion)
 
     def point_speeds(
@@ -53,7 +53,7 @@ class Responses:
         return reading.along(self.rows, normal), reading.along(self.rows, tangent)
 
     def moved(self, impulse: Float[Array, "m n"]) -> Motion:
-        """The motion that impulses make; those of rows not in use must be 0."""
+        """Return the motion that impulses make; those of rows not in use must be 0."""
 
         def add(k: Int[Array, ""], motion: Motion) -> Motion:
             return motion + row(self.of_rows, k)[0] * row(impulse, k)[0]
@@ -65,7 +65,7 @@ class Responses:
         return self.speeds_in(self.moved(impulse), impulse)
 
     def speeds_in(self, motion: Motion, impulse: Float[Array, "m n"]) -> Float[Array, "m n"]:
-        """The same, where the motion that the impulses make is known."""
+        """Return the same, where the motion that the impulses make is known."""
 
         def put_speed(k: Int[Array, ""], found: Float[Array, "m n"]) -> Float[Array, "m n"]:
             return put(found, self.speed(k, motion)[None], k, 0)
@@ -75,7 +75,7 @@ class Responses:
 
 
 def speed_of_row(rows: Rows, index: Int[Array, ""], motion: Motion) -> Float[Array, " n"]:
-    """Speed of body b relative to body a along one row."""
+    """Return the speed of body b relative to body a along one row."""
     return _Reading.of(rows, index, motion).along(rows, index)
 
 
@@ -103,7 +103,7 @@ class _Reading:
         return _Reading(apart_x=apart[0], apart_y=apart[1], spin_a=of_a[2], spin_b=of_b[2])
 
     def along(self, rows: Rows, index: Int[Array, ""]) -> Float[Array, " n"]:
-        """The speed of b relative to a along a row of these bodies."""
+        """Return the speed of b relative to a along a row of these bodies."""
         x, y, turn_a, turn_b = (
             row(values, index)[0]
             for values in (rows.direction.x, rows.direction.y, rows.turn_a, rows.turn_b)

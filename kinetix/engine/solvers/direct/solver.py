@@ -66,7 +66,7 @@ class Direct(AbstractSolver):
         return self.slots or usual_room(spec)
 
     def empty_cache(self, spec: SceneSpec) -> Any:
-        """No impulses."""
+        """Return a cache without impulses."""
         points, joints = self.slots_for(spec).points, spec.capacity.joints
 
         limits = joints if spec.features.limits else 0
@@ -91,7 +91,7 @@ class Direct(AbstractSolver):
         )
 
     def effort(self, world: World, state: State) -> Int[Array, " n"]:
-        """The block's rounds, then the joints, then the contact points of the last step."""
+        """Return the block's rounds, then the joints, then the contact points of the last step."""
         cache = state.cache
         points = jnp.sum(cache.key >= 0, axis=0, dtype=jnp.int32)
         joints = jnp.sum(world.joints.active, axis=0, dtype=jnp.int32)
@@ -101,7 +101,7 @@ class Direct(AbstractSolver):
     def step(
         self, world: World, state: State, control: Control, parameters: Parameters, spec: SceneSpec
     ) -> State:
-        """See the contract."""
+        """Advance the worlds by one time step."""
         control = jax.tree.map(jnp.nan_to_num, control)
         h = parameters.dt / self.substeps
         store = Store.beside(state.rotation)
@@ -161,7 +161,7 @@ class Direct(AbstractSolver):
         bias_impulse = self.block.solve(
             system.prepared, system.responses, offset, phase.bias_impulse, cone
         )
-        # How arms bend hangs on how bodies turn once joints have answered to the contacts.
+        # The curvature term needs angular velocities after the joints have reacted to the contacts.
         pushed_motion = system.responses.moved(bias_impulse)
         turning = velocity.angular.at[ARENA_BODIES:].add(pushed_motion[2])
         velocity, answer = pushed(step, system, bias_impulse, velocity)
@@ -221,7 +221,7 @@ class Direct(AbstractSolver):
     ) -> Float[Array, "m n"]:
         """Closing speeds that are allowed (open gaps) or wanted away (overlaps).
 
-        What lies on taut joints is pressed into them anew whenever they are drawn straight, so all
+        What lies on taut joints is pressed into them again whenever they are drawn straight, so all
         of its overlap is taken away at once.
         """
         count = system.friction.shape[0]

@@ -46,7 +46,7 @@ class Kinds:
         )
 
     def manifolds(self, world: World, state: State) -> tuple[Manifold, ...]:
-        """The step-start contacts of every slot, collision modes and activity applied."""
+        """Return the step-start contacts of every slot, collision modes and activity applied."""
         shapes = collide_jax2d.move_shapes(world.bodies, state)
         centre = vec(state.position[self.polygons :])
         radius = world.bodies.radius

@@ -56,7 +56,7 @@ def solve_joints(
     impulses: tuple[Float[Array, "j n"], ...],
     parameters: Parameters,
 ) -> tuple[Moving, tuple[Float[Array, "j n"], ...]]:
-    """One sweep over the joints, one after the other."""
+    """Do one sweep over the joints, one after the other."""
     count = world.joints.body_a.shape[0]
     if count == 0:
         return moving, impulses
@@ -75,7 +75,7 @@ def _solve_joint(
     impulse: tuple[Float[Array, " n"], ...],
     parameters: Parameters,
 ) -> tuple[Moving, tuple[Float[Array, " n"], ...]]:
-    """One joint in all worlds; every quantity is taken from the state at its start."""
+    """Solve one joint in all worlds; every quantity is taken from the state at its start."""
     bodies = world.bodies
     index = np.arange(bodies.inverse_mass.shape[0])[:, None]
     is_a, is_b = index == joint.body_a, index == joint.body_b

@@ -1,4 +1,4 @@
-"""What a step of kinetix-env's scheme moves and keeps."""
+"""Bodies and impulses that a step of kinetix-env's scheme changes."""
 
 from jaxtyping import Array, Float
 

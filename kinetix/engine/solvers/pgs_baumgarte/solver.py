@@ -159,7 +159,7 @@ class PgsBaumgarte(AbstractSolver):
         pairs: Int[np.ndarray, "q 2"],
         parameters: Parameters,
     ) -> tuple[Moving, Impulses]:
-        """One sweep over one kind, batch after batch."""
+        """Do one sweep over one kind, batch after batch."""
         count = len(pairs)
         if count == 0:
             return moving, impulses

@@ -1,6 +1,6 @@
 """Soft constraints: one solver, and the three settings `SOFT` of it.
 
-`solver` and `substep` say what happens in which order, `contacts` and `joints` what one row does to
+`solver` and `substep` have the order of the stages, `contacts` and `joints` what one row does to
 its two bodies (`levers`), and how softly (`springs`).
 """
 

@@ -54,7 +54,7 @@ class ContactImpulse:
 def contact_rows(
     world: World, points: Points, targets: Targets, masses: SplitMasses, parameters: Parameters
 ) -> SoftContacts:
-    """The rows of a step's contact points."""
+    """Return the rows of a step's contact points."""
     bodies = world.bodies
     a, b = points.body_a, points.body_b
     friction = jnp.sqrt(take(bodies.friction, a) ** 2 + take(bodies.friction, b) ** 2)
@@ -96,7 +96,7 @@ def relaxed_contacts(gap: Float[Array, "c n"], h: Float[Array, " n"]) -> Contact
 def push_normal(
     known: tuple[SoftContacts, ContactDrive], a: Twist, b: Twist, impulse: ContactImpulse
 ) -> tuple[Twist, Twist, ContactImpulse]:
-    """The impulse that keeps two bodies apart."""
+    """Return the impulse that keeps two bodies apart."""
     rows, drive = known
     lever, normal = rows.lever, rows.normal
     closing = dot(normal, lever.speed(a, b))
@@ -128,7 +128,7 @@ def push_tangent(
 def bounce_contact(
     known: tuple[SoftContacts, Float[Array, "*k n"]], a: Twist, b: Twist, impulse: ContactImpulse
 ) -> tuple[Twist, Twist, ContactImpulse]:
-    """Separate at least as fast as `known[1]` says where it is positive."""
+    """Separate at least as fast as `known[1]`, where it is positive."""
     rows, wanted = known
     lever, normal = rows.lever, rows.normal
     closing = dot(normal, lever.speed(a, b)) - wanted

@@ -55,15 +55,15 @@ class JointImpulse:
     x: Float[Array, "*k n"]
     y: Float[Array, "*k n"]
     turn: Float[Array, "*k n"]
-    """Of a weld or motor."""
+    """Angular impulse of a weld or motor."""
     stop: Float[Array, "*k n"]
-    """Of the next limit, positive away from it."""
+    """Impulse of the next limit, positive away from it."""
 
 
 def joint_rows(
     setting: Setting, targets: Targets, features: Features, moving: MovingBodies
 ) -> SoftJoints:
-    """The joints at a pose; what the scene does not use is not computed."""
+    """Return the joints at a pose; what the scene does not use is not computed."""
     joints = setting.world.joints
     a, b = targets.body_a, targets.body_b
     angle_a, angle_b = take(moving.rotation, a), take(moving.rotation, b)
@@ -136,7 +136,7 @@ def push_joint(
     b: Twist,
     impulse: JointImpulse,
 ) -> tuple[Twist, Twist, JointImpulse]:
-    """Angle of a weld or speed of a motor, then the limit, then the anchors."""
+    """Return the angle of a weld or speed of a motor, then the limit, then the anchors."""
     rows, soft = known
     lever = rows.lever
     spin = b.turn - a.turn

@@ -82,7 +82,7 @@ class SplitMasses:
         )
 
     def targets(self, body_a: Array, body_b: Array) -> Targets:
-        """Slots on these bodies."""
+        """Return slots on these bodies."""
         return Targets(
             body_a=body_a,
             body_b=body_b,

@@ -88,7 +88,7 @@ class Soft(AbstractSolver):
     def step(
         self, world: World, state: State, control: Control, parameters: Parameters, spec: SceneSpec
     ) -> State:
-        """See the contract."""
+        """Advance the worlds by one time step."""
         store = Store.beside(state.rotation)
         found = find_contacts(world, state, parameters, spec, self.slots_for(spec), store)
         step, start = _prepared(self, world, state, control, parameters, spec, found, store)
@@ -123,7 +123,7 @@ def _prepared(  # noqa: PLR0913 (everything that a step depends on)
     found: Found,
     store: Store,
 ) -> tuple[Substep, SoftPhase]:
-    """The constants of a step, and the state in which its first substep begins."""
+    """Return the constants of a step, and the state in which its first substep begins."""
     setting = Setting(
         world=world,
         control=jax.tree.map(jnp.nan_to_num, control),

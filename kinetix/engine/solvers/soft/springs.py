@@ -41,7 +41,7 @@ class Spring:
         stiffer: Float[Array, "*k n"],
         copied: Float[Array, "*k n"],
     ) -> Softness:
-        """The three numbers, a slot.
+        """Return the three numbers, a slot.
 
         Args:
             h: Duration of a substep [s].

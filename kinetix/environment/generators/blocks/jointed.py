@@ -100,7 +100,7 @@ def connected_shape(  # noqa: PLR0913 (one more than the limit, all of them diff
 def _target_weights(
     figures: Figures, joint_counts: Int[Array, "b n"]
 ) -> tuple[Float[Array, "b n"], Float[Array, "b n"]]:
-    """Weights of polygons and of circles as partners of a new joint, fixed bodies at 1."""
+    """Return weights of polygons and of circles as partners of a new joint, fixed bodies at 1."""
     body = movable_rows(figures)
     free_ends = jnp.maximum(0.0, (2.0 - joint_counts.astype(jnp.float32)) / 2)
     polygon = jnp.where(body & ~figures.circle, free_ends, 0.0)

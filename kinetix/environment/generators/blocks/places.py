@@ -10,7 +10,7 @@ from kinetix.environment.generators.figures import Figures, bounds, pick
 def place_within(
     figures: Figures, u: Float[Array, "q n"], v: Float[Array, "q n"], *, triangles: bool
 ) -> Float[Array, "q 2 n"]:
-    """A place uniform in a polygon; the centre of a circle [m, body's frame]."""
+    """Return a place uniform in a polygon; the centre of a circle [m, body's frame]."""
     low, high = bounds(figures)
     place = jnp.stack(
         [
@@ -31,7 +31,7 @@ def place_within(
 
 
 def pick_figures(figures: Figures, index: Int[Array, "q n"]) -> Figures:
-    """The bodies of these rows, one a proposal."""
+    """Return the bodies of these rows, one a proposal."""
     return Figures(
         **{name: pick(getattr(figures, name), index) for name in figures.__dataclass_fields__}
     )

@@ -1,4 +1,4 @@
-"""Proposals for a new body, and what they hang on."""
+"""Proposals for a new body, and the facts that they depend on."""
 
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
@@ -53,7 +53,7 @@ class Proposals:
 
 
 def size_limit(ued: UEDParams) -> SizeLimit:
-    """The limits that the options say."""
+    """Return the limits of the options."""
     return SizeLimit(limit=ued.max_shape_size, goal_factor=ued.goal_body_size_factor)
 
 

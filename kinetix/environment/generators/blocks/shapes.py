@@ -1,4 +1,4 @@
-"""New shapes: their roles and sizes, and those that hang on nothing."""
+"""New shapes: roles, sizes, and the placement of bodies without joints."""
 
 import dataclasses
 import math

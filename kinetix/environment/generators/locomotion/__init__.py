@@ -22,7 +22,7 @@ def locomotion_sampler(
     params: LocomotionParams | None = None,
     ued: UEDParams | None = None,
 ) -> Callable[[Key[Array, ""]], EnvState]:
-    """The function from a key to a locomotion level, to be used under jit and vmap.
+    """Return the function from a key to a locomotion level, to be used under jit and vmap.
 
     Args:
         engine: Sizes and solver.

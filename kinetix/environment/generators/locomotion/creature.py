@@ -1,4 +1,4 @@
-"""A creature put together: limbs of drawn sizes, hung from each other by joints with motors."""
+"""A creature put together: limbs of random sizes, joined to each other by motors."""
 
 import functools
 import math
@@ -53,7 +53,7 @@ class Trait:
 def outside(
     u: Float[Array, "*r n"], default: float, spread: float, exclude: float | None
 ) -> Float[Array, "*r n"]:
-    """Uniform in default ± spread, without the inner interval default ± exclude."""
+    """Return a number uniform in default ± spread, without the inner interval default ± exclude."""
     if exclude is None:
         return between(u, default - spread, default + spread)
     # Both outer intervals are equally long: one number picks the side and the place.
@@ -124,10 +124,10 @@ class Creature:
         binding: Int[Array, " n"],
         active: Bool[Array, " n"],
     ) -> Limb:
-        """Hang a limb by its top end from a place on its parent.
+        """Attach a limb by its top end to a place on its parent.
 
         Args:
-            parent: What it hangs from.
+            parent: The limb that it is attached to.
             anchor: Where, in the parent's frame [m].
             size: Width and height of the new limb [m].
             angle: Its rotation relative to the parent [rad].
@@ -162,14 +162,14 @@ class Creature:
         return limb
 
     def binding(self, channel: int) -> Int[Array, " n"]:
-        """The channel of a limb: its own, or drawn with random motors."""
+        """Return the channel of a limb: its own, or drawn with random motors."""
         u = self.tape.take(1)[0]
         if not self.params.random_motors:
             return jnp.full((self.worlds,), channel, jnp.int32)
         return self.random_binding(u)
 
     def random_binding(self, u: Float[Array, " n"]) -> Int[Array, " n"]:
-        """A drawn channel; Q11: kinetix-env never draws the last one."""
+        """Return a drawn channel; Q11: kinetix-env never draws the last one."""
         quirks = self.params.kinetix_quirks
         return among(u, PEER_RANDOM_BINDINGS if quirks else MOTOR_BINDINGS)
 

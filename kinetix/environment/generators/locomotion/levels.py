@@ -51,7 +51,7 @@ def draw_locomotion(
     params: LocomotionParams,
     ued: UEDParams | None = None,
 ) -> Draft:
-    """Levels of the locomotion family, one per key.
+    """Return levels of the locomotion family, one per key.
 
     Args:
         keys: A level is a function of its key alone.
@@ -143,7 +143,7 @@ def _put_together(
 
 
 def _written(figures: Figures, slots: slice | int, fields: dict[str, Any]) -> Figures:
-    """The bodies with these fields in these slots, where they are active."""
+    """Return the bodies with these fields in these slots, where they are active."""
     active = jnp.asarray(fields["active"])
     changed = {}
     for name, value in fields.items():

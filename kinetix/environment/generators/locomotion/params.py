@@ -41,7 +41,7 @@ class LocomotionParams:
     density_default: float = static(default=1.0)
     density_range: float = static(default=0.0)
     density_exclude: float | None = static(default=None)
-    """Density [kg/m²], likewise."""
+    """Density [kg/m²] is uniform in default ± range, outside default ± exclude."""
     ensure_leg_dims_equal: bool = static(default=False)
     ensure_ankle_dims_equal: bool = static(default=False)
     ensure_limb_thickness_equal: bool = static(default=False)

@@ -18,7 +18,7 @@ from kinetix.level.sizes import SIZES, needed_capacity
 from kinetix.level.validate import has_errors, validate
 
 FAMILIES_TRIED: Final = 100
-"""Families of which none fitted, after which none is expected to."""
+"""The search gives up after this many families that did not fit."""
 ATTEMPTS: Final = 10
 """Draws after which another family is tried."""
 OVERLAP: Final = "W202"
@@ -26,12 +26,12 @@ OVERLAP: Final = "W202"
 
 
 def random_machine(dice: random.Random, size: str, families: Sequence[Family] = ()) -> Level:
-    """A level with a random machine.
+    """Return a level with a random machine.
 
     Args:
         dice: All that is random.
         size: `s`, `m` or `l`.
-        families: Those to draw from; by default all, as often as `FAMILIES` says.
+        families: Those to draw from; by default all, with the weights of `FAMILIES`.
 
     Raises:
         KinetixError: The size is none of these, or none of the families fits it.
@@ -49,7 +49,7 @@ def random_machine(dice: random.Random, size: str, families: Sequence[Family] = 
 
 
 def _drawn(dice: random.Random, size: str, family: Family) -> Level | None:
-    """A level, or nothing if it is too large or shapes are in each other's way."""
+    """Return a level, or nothing if it is too large or shapes are in each other's way."""
     shop = Workshop(dice, LevelBuilder(family.__name__))
     family(shop)
     stand(shop)
@@ -79,7 +79,7 @@ def _neighbour(shop: Workshop, family: Family) -> None:
 
 
 def _in_its_arena(shop: Workshop) -> Level:
-    """The level with what is deadly of the arena; one of ten has another gravity."""
+    """Return the level with what is deadly of the arena; one of ten has another gravity."""
     level = shop.build.build()
     parts = {
         name: msgspec.structs.replace(getattr(level.arena, name), role=role)
@@ -103,14 +103,14 @@ def random_machines(seed: int, size: str, count: int) -> Iterator[Level]:
         count: How many.
 
     Raises:
-        KinetixError: There are no machines of this size.
+        KinetixError: No machines have this size.
     """
     for index in range(count):
         yield numbered_machine(seed, size, index)
 
 
 def numbered_machine(seed: int, size: str, index: int) -> Level:
-    """Level `index` of `random_machines`.
+    """Return level `index` of `random_machines`.
 
     Args:
         seed: Any integer.
@@ -118,7 +118,7 @@ def numbered_machine(seed: int, size: str, index: int) -> Level:
         index: From 0.
 
     Raises:
-        KinetixError: There are no machines of this size.
+        KinetixError: No machines have this size.
     """
     level = random_machine(random.Random(f"{seed} {index}"), size)
     return level.replace(name=f"Machine {size} {seed}-{index}")

@@ -16,7 +16,7 @@ class Workshop:
     """A level on its way: a builder, the dice, and who plays which colour."""
 
     def __init__(self, dice: random.Random, builder: LevelBuilder) -> None:
-        """Decide the colours.
+        """Choose the colours.
 
         Args:
             dice: All that is random.
@@ -29,7 +29,7 @@ class Workshop:
         self.keys = dice.sample(range(4), 4)
         self.jets = dice.sample(range(2), 2)
         self.furniture = True
-        """True if obstacles may stand on the floor; else they hang in the air."""
+        """True if obstacles may stand on the floor; else they float in the air."""
         self.ledge = self.chance(0.25)
         """True if the machine begins on a ledge, where its family lets it."""
         self.ground = FLOOR + self.between(0.3, 1.6) if self.ledge else FLOOR
@@ -38,7 +38,7 @@ class Workshop:
         """Roles of floor, walls and ceiling, where they have one."""
 
     def between(self, low: float, high: float) -> float:
-        """A number between two."""
+        """Draw a number between two."""
         return self.dice.uniform(low, high)
 
     def chance(self, share: float) -> bool:
@@ -52,7 +52,7 @@ class Workshop:
                 self.arena[name] = "red"
 
     def motor(self, key: int, *, speed: tuple[float, float], power: tuple[float, float]) -> Motor:
-        """A motor for the key of this number; one of five turns the other way round."""
+        """Return a motor for the key of this number; one of five turns the other way round."""
         sign = -1 if self.chance(0.2) else 1
         return Motor(
             speed=sign * self.between(*speed),
@@ -61,21 +61,21 @@ class Workshop:
         )
 
     def box(self, x: float, y: float, width: float, height: float, **more: Any) -> int:
-        """A rectangle with a random surface."""
+        """Return a rectangle with a random surface."""
         return self.build.rectangle(x, y, width, height, **(self._surface() | more))
 
     def ball(self, x: float, y: float, radius: float, **more: Any) -> int:
-        """A disc with a random surface."""
+        """Return a disc with a random surface."""
         return self.build.circle(x, y, radius, **(self._surface() | more))
 
     def lump(self, x: float, y: float, size: float, **more: Any) -> int:
-        """A disc or a box of about this size."""
+        """Return a disc or a box of about this size."""
         if self.chance(0.5):
             return self.ball(x, y, size / 2, **more)
         return self.box(x, y, size * self.between(0.7, 1.3), size * self.between(0.7, 1.3), **more)
 
     def rod(self, at: Point, direction: float, length: float, **more: Any) -> tuple[int, Point]:
-        """A bar that begins at a point, and where it ends.
+        """Return a bar that begins at a point, and where it ends.
 
         Args:
             at: Its beginning.

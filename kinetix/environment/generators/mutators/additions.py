@@ -55,7 +55,7 @@ def _around(draft: Draft, capacity: Capacity) -> Surroundings:
 def _insert(
     draft: Draft, proposals: Proposals, marked: Marks, ued: UEDParams, capacity: Capacity
 ) -> tuple[Draft, Int[Array, " n"], Proposals]:
-    """The draft with the one proposed body in the lowest free slot of its kind."""
+    """Return the draft with the one proposed body in the lowest free slot of its kind."""
     chosen = jax.tree.map(lambda leaf: leaf[0], proposals)
     slot = free_slot(draft.figures, chosen.figure.circle, capacity)
     marked = marked & chosen.figure.active

@@ -120,7 +120,7 @@ def change_size(
     new = jax.tree.map(
         lambda leaf: leaf[0], new_dimensions(draws, circle[None], size_limit(ued).limit, ued)
     )
-    # The drawn rectangle says how large the bounding box is to be, whatever the shape.
+    # The drawn rectangle is the size of the bounding box, whatever the shape.
     was = _half_extents(pick(old.vertices, row), pick(old.vertex_count, row))
     drawn = _half_extents(new.vertices, new.vertex_count)
     scale = jnp.where(was > 1e-6, drawn / jnp.maximum(was, 1e-6), 1.0)

@@ -23,7 +23,7 @@ Mutation = Callable[[Draft, Numbers, Marks, UEDParams, Capacity], Draft]
 
 
 def some(candidates: Bool[Array, "b n"], u: Float[Array, " n"]) -> Int[Array, " n"]:
-    """Row of one candidate, each as likely as the others; any row where there is none."""
+    """Return the row of a random candidate, all equally likely; any row without candidates."""
     return choose(u, candidates.astype(jnp.float32))
 
 
@@ -35,7 +35,7 @@ def any_row(candidates: Bool[Array, "b n"]) -> Marks:
 def one_body(
     draft: Draft, u: Float[Array, " n"], marked: Marks
 ) -> tuple[Int[Array, " n"], Bool[Array, "b n"]]:
-    """A uniform active body besides the arena: its row, and the same as marks."""
+    """Return a uniform active body besides the arena: its row, and the same as marks."""
     candidates = movable_rows(draft.figures)
     row = some(candidates, u)
     return row, hit(draft.figures.active, row, marked & any_row(candidates))

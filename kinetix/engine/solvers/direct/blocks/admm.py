@@ -32,7 +32,7 @@ class Admm(AbstractBlock):
     error of 0.45 an iteration (an elastic ball then gains 3 % energy in 10 s; 1.2: 2e-6)."""
 
     def prepare(self, responses: Responses, contrast: Float[Array, " n"]) -> Any:
-        """A, (A + R)⁻¹ and R; no contrast slows it down."""
+        """Return A, (A + R)⁻¹ and R; no contrast slows it down."""
         del contrast
         matrix = _matrix(responses)
         size = matrix.shape[0]
@@ -49,7 +49,7 @@ class Admm(AbstractBlock):
         start: Float[Array, "m n"],
         cone: Cone,
     ) -> Float[Array, "m n"]:
-        """See the contract."""
+        """Solve for the impulses by ADMM."""
         del responses
         matrix, solve, penalty = prepared
         allowed = project(cone, start)
@@ -71,7 +71,7 @@ class Admm(AbstractBlock):
 
 
 def _matrix(responses: Responses) -> Float[Array, "m m n"]:
-    """The coupling of all rows; that of the identity in rows that nothing can move."""
+    """Return the coupling of all rows; that of the identity in rows that nothing can move."""
     live = responses.inverse_own > 0
     own = jnp.where(live, 1 / jnp.where(live, responses.inverse_own, 1), 1)
     store = Store.beside(own)

@@ -25,7 +25,7 @@ class Cone:
 
 
 def project(cone: Cone, impulse: Float[Array, "m n"]) -> Float[Array, "m n"]:
-    """The nearest allowed impulses, friction bounded by the normal impulse just found."""
+    """Return the nearest allowed impulses, friction bounded by the normal impulse just found."""
     count = cone.friction.shape[0]
     normal = jnp.where(cone.closed, jnp.maximum(impulse[:count], 0), 0)
     bound = cone.friction * normal
@@ -65,4 +65,4 @@ class AbstractBlock(abc.ABC):
         start: Float[Array, "m n"],
         cone: Cone,
     ) -> Float[Array, "m n"]:
-        """Impulses in the cone that solve the problem as far as the iterations reach."""
+        """Return impulses in the cone that solve the problem as far as the iterations reach."""

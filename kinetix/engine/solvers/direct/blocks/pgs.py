@@ -40,7 +40,7 @@ class Pgs(AbstractBlock):
     iterations: int = 10
 
     def prepare(self, responses: Responses, contrast: Float[Array, " n"]) -> Any:
-        """The number of sweeps."""
+        """Return the number of sweeps."""
         del responses
         return self.rounds(contrast)
 
@@ -57,7 +57,7 @@ class Pgs(AbstractBlock):
         start: Float[Array, "m n"],
         cone: Cone,
     ) -> Float[Array, "m n"]:
-        """See the contract."""
+        """Solve for the impulses by projected Gauss–Seidel sweeps."""
         if offset.shape[0] == 0:
             return start
         store = Store.beside(offset)
@@ -69,7 +69,8 @@ class Pgs(AbstractBlock):
         def accelerated(done: Int[Array, ""], carry: tuple) -> tuple:
             result, impulse, motion, direction, of_direction, last = carry
             swept, swept_motion = sweep(in_use, (impulse, motion))
-            # Others in the tile may need more sweeps; what a world gets must not hang on them.
+            # Other worlds of the tile may need more sweeps; the result of a world must not depend
+            # on them.
             counts = done < prepared
 
             def add_square(k: Int[Array, ""], total: Float[Array, " n"]) -> Float[Array, " n"]:
@@ -146,12 +147,12 @@ class _Sweep:
     def _wanted(
         self, index: Int[Array, ""], speed: Float[Array, " n"], old: Float[Array, " n"]
     ) -> Float[Array, " n"]:
-        """The impulse that would bring a row to rest, the others held."""
+        """Return the impulse that would bring a row to rest, the others held."""
         speed = speed + _at(self.offset, index) + _at(self.responses.compliance, index) * old
         return old - speed * _at(self.responses.inverse_own, index)
 
     def _point(self, k: Int[Array, ""], carry: tuple) -> tuple:
-        """The tangent row of a contact, then its normal row."""
+        """Return the tangent row of a contact, then its normal row."""
         impulse, motion = carry
         responses, cone = self.responses, self.cone
         along = cone.friction.shape[0] + k
