@@ -102,7 +102,8 @@ class Rules:
         # A corner covers ω·R·dt on top of its centre's way; a circle's turning moves nothing.
         radius = jnp.concatenate([shapes.polygons.radius, jnp.zeros_like(bodies.radius)], axis=0)
         sweep = jnp.abs(state.angular_velocity) * jnp.where(bodies.active, radius, 0)
-        closing = jnp.maximum(length(shapes.velocity[b] - shapes.velocity[a]), _followed(shapes, pairs))
+        closing = length(shapes.velocity[b] - shapes.velocity[a])
+        closing = jnp.maximum(closing, _followed(shapes, pairs))
         ahead = parameters.dt * (closing + sweep[a] + sweep[b]) + constants.ACCELERATION_MARGIN
         return Rules(
             may_touch=may_touch,

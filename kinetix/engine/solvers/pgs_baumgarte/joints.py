@@ -28,7 +28,7 @@ def drive(world: World, moving: Moving, control: Control, parameters: Parameters
         - joints.reference_angle
     )
     action = control.motor
-    # As kinetix-env does: limits that are close together have no such range, and the upper end counts.
+    # As kinetix-env does: of limits that are close together the upper end counts.
     band = parameters.motor_joint_limit
     free = joints.limit_min + band, joints.limit_max - band
     target = parameters.base_motor_speed * joints.motor_speed * action
