@@ -97,8 +97,8 @@ class KinetixGymEnv(gymnasium.Env[Any, Any]):
             level: A level, its file, or the name of a bundled one; `s-random`, `m-random`,
                 `l-random`; or several: a folder, a level set, a list of levels.
             render_mode: `rgb_array`, or None.
-            render_size: Width and height of pictures [px], best a multiple of 5, the arena's side
-                in metres; None: 125, as agents see them.
+            render_size: Width and height of pictures [px]; multiples of 5 are filled to the edge.
+                None: 125, as agents see them.
             **options: `action_type`, `observation_type`, `physics`, `dense_reward_scale`,
                 `frame_skip`; see `kinetix.environment.named.make_named_env`.
 
