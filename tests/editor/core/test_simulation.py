@@ -327,13 +327,14 @@ def test_steps_without_room_for_all_contacts_are_counted(perform):
 
 NAMES = """
 from editor.base.settings import Settings
-from kinetix.engine.names import PRESET_NAMES, SOLVER_NAMES
-from kinetix.engine.presets import DEFAULT, PRESETS
+from kinetix.engine.names import DEFAULT_PHYSICS, PRESET_NAMES, SOLVER_NAMES
+from kinetix.engine.presets import PRESETS
 from kinetix.engine.solvers import SOLVERS
 
 assert tuple(PRESETS) == PRESET_NAMES
 assert tuple(SOLVERS) == SOLVER_NAMES
-assert Settings().physics == DEFAULT
+assert Settings().physics == DEFAULT_PHYSICS
+assert DEFAULT_PHYSICS in PRESETS
 """
 
 
