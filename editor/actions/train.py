@@ -1,18 +1,22 @@
-"""Train an agent on the level in front: one click, then it shows what it has learnt."""
+"""Train an agent on the level in front, or on levels of the gallery: one click, then it plays."""
 
 import contextlib
 import os
 import re
 import shutil
 import time
+from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Final
 
 from editor.actions.agents import LONGEST_NAME, load_agent
+from editor.actions.gallery import chosen_cards
 from editor.actions.measure import steps_in
 from editor.actions.watch import watch_run
 from editor.agents.local_training import BUSY, LOG
 from editor.base.wording import title_of
+from editor.gallery.named_levels import set_name
 from editor.session import Session
 from editor.worker.requests import BUILT_IN
 from kinetix.errors import CommandError
@@ -20,7 +24,13 @@ from kinetix.files.lock import locked_folder
 from kinetix.files.regular import FileError
 from kinetix.level.codec import save_level
 from kinetix.level.controls import channels_in_use
+from kinetix.level.model import Level
+from kinetix.level.sets import LoadedSet, build_set, gather_levels, load_set, save_set
 from kinetix.paths import user_agents_dir
+from kinetix.wording import plural
+
+MOST_LEVELS: Final = 100
+"""More levels are not trained on from here: they are read while the window waits."""
 
 _ABANDONED: Final = 600.0
 """A folder with nothing but a log is in use while the log is younger than this [s]."""
@@ -32,28 +42,89 @@ def train_here(session: Session) -> None:
     Raises:
         CommandError: The level leaves nothing to learn, or a training is running.
     """
-    training, level = session.training, session.document.level
-    if training.running:
+    level = session.document.level
+    _refuse_busy(session)
+    _refuse_unlearnable(level)
+    _train(session, level.name, title_of(level), partial(save_level, level))
+
+
+def train_chosen(session: Session) -> None:
+    """Begin to train one agent on the levels that are chosen in the gallery.
+
+    Raises:
+        KinetixError: None is chosen, or one cannot be learnt or read; or a training is on.
+    """
+    cards = chosen_cards(session)
+    told = cards[0].name if len(cards) == 1 else plural(len(cards), "level")
+    _refuse_busy(session)
+    _refuse_many(len(cards))
+    levels = gather_levels([card.path for card in cards])
+    _train_on(session, told, build_set(levels, name=told, folder=user_agents_dir(), split=1.0))
+
+
+def train_on_set(session: Session, path: Path) -> None:
+    """Begin to train one agent on a level set, by its weights; its other part is evaluated on.
+
+    Raises:
+        KinetixError: The set is bad or has a level that cannot be learnt; or a training is on.
+    """
+    _refuse_busy(session)
+    _train_on(session, set_name(path), load_set(path.resolve()))
+
+
+def _train_on(session: Session, name: str, levels: LoadedSet) -> None:
+    """Begin to train on a copy of a set, which what is done to its files does not change."""
+    _refuse_many(len(levels.levels))
+    for each in levels.levels:
+        _refuse_unlearnable(each.level, f"{each.name}: ")
+    _train(session, name, name, partial(save_set, levels, inline=True))
+    session.gallery.open = False
+
+
+def _refuse_busy(session: Session) -> None:
+    """Raise the sentence that a training is on, if so."""
+    if session.training.running:
         raise CommandError(BUSY)
+
+
+def _refuse_many(count: int) -> None:
+    """Raise the sentence that so many levels are too many, if so."""
+    if count > MOST_LEVELS:
+        raise CommandError(
+            f"{count} levels are too many to train on from here: choose up to {MOST_LEVELS}, or "
+            "use kinetix train."
+        )
+
+
+def _refuse_unlearnable(level: Level, before: str = "") -> None:
+    """Raise what keeps a level from being learnt, if anything does."""
     arena = level.arena
     walls = (arena.floor, arena.left_wall, arena.right_wall, arena.ceiling)
     if not {"green", "blue"} <= {body.role for body in (*level.bodies, *walls)}:
-        raise CommandError("There is nothing to learn: the level needs a green and a blue shape.")
+        raise CommandError(
+            f"{before}There is nothing to learn: the level needs a green and a blue shape."
+        )
     if not channels_in_use(level):
-        raise CommandError("There is nothing to drive: the level needs a motor or a thruster.")
-    run = _free_folder(level.name)
+        raise CommandError(
+            f"{before}There is nothing to drive: the level needs a motor or a thruster."
+        )
+
+
+def _train(session: Session, name: str, told: str, write: Callable[[Path], object]) -> None:
+    """Begin a training in a new folder, on what is written beside it."""
+    run = _free_folder(name)
     try:
         run.parent.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         reason = error.strerror or error
         raise CommandError(f"{run.parent}: cannot be made: {reason}") from error
     file = run.with_suffix(".json")
-    save_level(level, file)
-    training.begin(file, run)
+    write(file)
+    session.training.begin(file, run)
     watch_run(session, str(run))
     session.viewer.follow_run = True
     session.toast(
-        f"Training on {title_of(level)}: its newest attempt plays with F6 as soon as there is one.",
+        f"Training on {told}: its newest attempt plays with F6 as soon as there is one.",
         "success",
     )
 

@@ -2,7 +2,7 @@
 
 from typing import Final
 
-from editor.actions import gallery, gallery_files, level_sets, many_files
+from editor.actions import gallery, gallery_files, level_sets, many_files, train
 from editor.actions.base import Action, Context
 
 GALLERY: Final = (
@@ -35,6 +35,16 @@ GALLERY: Final = (
         enabled=gallery.choosing,
         refusal="Choose levels in the gallery first.",
         run=gallery.evaluate,
+    ),
+    Action(
+        id="gallery.train",
+        label="Train on Them",
+        menu="Gallery",
+        context=Context.GALLERY,
+        tooltip="One small agent learns the chosen levels in the background.",
+        enabled=gallery.choosing,
+        refusal="Choose levels in the gallery first.",
+        run=train.train_chosen,
     ),
     Action(
         id="gallery.rename",

@@ -1,5 +1,6 @@
 """Training on the level in front: a process is begun, watched, ended, and its agent taken."""
 
+import dataclasses
 import os
 import shutil
 import signal
@@ -17,8 +18,9 @@ from editor.documents.document import Document
 from editor.worker.requests import AgentRef
 from kinetix.errors import CommandError
 from kinetix.files.lock import locked_folder
-from kinetix.level.codec import load_level
+from kinetix.level.codec import load_level, save_level
 from kinetix.level.model import Level
+from kinetix.level.sets import build_set, gather_levels, load_set, save_set
 from kinetix.training.settings import CONFIG
 from tests.editor.core.helpers import a_level, texts
 from tests.editor.core.test_viewer import Stage, a_summary, session, settle, stage
@@ -321,3 +323,55 @@ def test_a_training_is_asked_to_end_when_the_app_is_killed(tmp_path):
             return
         time.sleep(0.05)
     raise AssertionError("it goes on")
+
+
+def choose(session, *cards):
+    session.library.look([cards[0].parent])
+    assert session.library.wait(10)
+    session.gallery.open = True
+    session.gallery.selection = tuple(map(str, cards))
+
+
+def test_one_click_trains_on_the_levels_that_are_chosen(session, began, tmp_path):
+    (tmp_path / "mine").mkdir()
+    for number, shift in enumerate((0.0, 0.25)):
+        body = a_level().bodies[0].replace(position=(1.0 + shift, 2.0))
+        level = a_level().replace(name=f"Level {number}", bodies=(body, *a_level().bodies[1:]))
+        save_level(level, tmp_path / "mine" / f"{number}.json")
+    files = sorted((tmp_path / "mine").iterdir())
+    choose(session, *files)
+    assert actions.run(session, "gallery.train"), texts(session)
+    ((words, _),) = began
+    assert words[words.index("--preset") + 1] == "specialist"
+    files[0].unlink()
+    stored = load_set(Path(words[words.index("--levels") + 1]))
+    assert [each.split for each in stored.levels] == ["train", "train"]
+    assert session.training.run.name == "2_levels" and not session.gallery.open
+    assert session.view.front == "training"
+    assert not actions.run(session, "gallery.train")
+
+
+def test_a_set_is_trained_on_with_its_weights_and_parts(session, began, tmp_path):
+    save_level(a_level(), tmp_path / "a.json")
+    levels = [dataclasses.replace(gather_levels([tmp_path / "a.json"])[0], weight=3.0)]
+    made = build_set(levels, name="mine", folder=tmp_path, split=1.0)
+    save_set(made, tmp_path / "mine.json")
+    train.train_on_set(session, tmp_path / "mine.json")
+    ((words, _),) = began
+    (stored,) = load_set(Path(words[words.index("--levels") + 1])).levels
+    assert stored.weight == 3.0
+
+
+@pytest.mark.parametrize(
+    "without, told", [("role", "No green shape"), ("joints", "There is nothing to drive")]
+)
+def test_chosen_levels_without_anything_to_learn_are_named(session, began, tmp_path, without, told):
+    (tmp_path / "mine").mkdir()
+    plain = tuple(body.replace(role="none") for body in a_level().bodies)
+    less = {"bodies": plain} if without == "role" else {"joints": (), "thrusters": ()}
+    save_level(a_level().replace(**less), tmp_path / "mine" / "plain.json")
+    choose(session, tmp_path / "mine" / "plain.json")
+    actions.run(session, "gallery.train")
+    (said,) = texts(session)
+    assert began == [] and "plain" in said and told in said
+    assert not (tmp_path / "agents").exists() or not list((tmp_path / "agents").iterdir())

@@ -167,8 +167,8 @@ class CardGrid:
         if card.path not in session.gallery.selection:
             session.gallery.selection = (card.path,)
             session.gallery.focus = card.path
-        for action_id in ("gallery.open", "gallery.play_agent", "gallery.evaluate"):
-            item(session, action_id)
+        for action_id in ("open", "play_agent", "evaluate", "train"):
+            item(session, f"gallery.{action_id}")
         imgui.separator()
         item(session, "gallery.add_to_set")
         imgui.separator()

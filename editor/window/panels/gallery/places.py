@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Final
 from imgui_bundle import imgui
 
 from editor.actions import gallery as doing
-from editor.actions import gallery_files, level_sets
+from editor.actions import gallery_files, level_sets, train
 from editor.base.language import tr
 from editor.gallery.card import Card
 from editor.gallery.named_levels import set_name
@@ -29,6 +29,7 @@ _WITH_LEVELS: Final = (
     ("Choose all its levels", ""),
     ("Put its levels into the set", "gallery.add_to_set"),
     ("Evaluate", "gallery.evaluate"),
+    ("Train on Them", "gallery.train"),
 )
 """Entries of a folder's menu, with actions that work once all its levels are chosen."""
 
@@ -142,6 +143,8 @@ def _set_menu(session: "Session", path: Path) -> None:
         session.queue(lambda: level_sets.load_into_set(session, path))
     if imgui.menu_item_simple(tr("Evaluate")):
         session.queue(lambda: doing.evaluate_set(session, path))
+    if imgui.menu_item_simple(tr("Train on Them")):
+        session.queue(lambda: train.train_on_set(session, path))
 
 
 def _tags(session: "Session", tags: Sequence[tuple[str, int]]) -> None:
