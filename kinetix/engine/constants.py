@@ -101,3 +101,7 @@ USUAL_BURDEN = 12.0
 WEIGHT_OF_BURDEN = 4.0
 """Factor of a burden when it is added to the ratios of unlike loads. Smaller: towers that become
 heavier and heavier upwards begin to rock; larger: jammed machines are slow."""
+
+MOST_BORNE = 30.0
+"""Times its own mass that a body may bear before it counts as heavier than it is. Smaller: what
+stands on light bodies moves more sluggishly; larger: heavy balls burst bridges of light planks."""

@@ -15,10 +15,11 @@ from kinetix.engine import constants
 from kinetix.engine.collision import Found
 from kinetix.engine.in_use import InUse
 from kinetix.engine.joints import next_limit
-from kinetix.engine.lookup import onto, put, row
+from kinetix.engine.lookup import put, row
 from kinetix.engine.maths import Vec, nonzero
 from kinetix.engine.solvers.direct.blocks import AbstractBlock
 from kinetix.engine.solvers.direct.joint_system import JointSystem, Step
+from kinetix.engine.solvers.direct.masses import masses_of
 from kinetix.engine.solvers.direct.response import Responses, speed_of_row
 from kinetix.engine.solvers.rows import (
     Directions,
@@ -72,7 +73,7 @@ def contact_system(
     found: Found,
     joints: JointSystem,
     block: AbstractBlock,
-    force: Float[Array, "c n"],
+    bears: Float[Array, "b n"],
 ) -> tuple[ContactSystem, Float[Array, "g n"]]:
     """Return the contacts and limits at the start of a step.
 
@@ -82,7 +83,7 @@ def contact_system(
         found: The contacts.
         joints: The joints at the same pose.
         block: Who will solve the system.
-        force: That the contacts bore in the last step [N].
+        bears: What each body bears [kg].
 
     Returns:
         The system, and the gaps of the contacts [m] and limits [rad].
@@ -134,7 +135,7 @@ def contact_system(
     friction_a, restitution_a, load_a, loose_a, pivoted_a = of_a
     friction_b, restitution_b, load_b, loose_b, pivoted_b = of_b
     friction = jnp.sqrt(friction_a**2 + friction_b**2)
-    contrast = _contrast(load_a, load_b, used) + _burden(step, found, loads, force)
+    contrast = _contrast(load_a, load_b, used) + _burden(bears, loads)
     system = ContactSystem(
         rows=rows,
         gaps=first_of_links(rows),
@@ -243,15 +244,9 @@ def _responses(
     return of_rows, answers, answered, by_other
 
 
-def _masses(world: World) -> Float[Array, "b n"]:
-    """Return the mass of each body; 0 if it is fixed or an empty slot."""
-    inverse = world.bodies.inverse_mass
-    return jnp.where(inverse > 0, 1 / nonzero(inverse), 0) * world.bodies.active
-
-
 def _loads(world: World) -> Float[Array, "b n"]:
     """The mass that goes with each body: its own and that of all it is jointed to; 0 if fixed."""
-    mass = _masses(world)
+    mass = masses_of(world)
 
     def add(k: Int[Array, ""], total: Float[Array, "b n"]) -> Float[Array, "b n"]:
         together = ~row(world.collides, k)[0] & (mass > 0)
@@ -272,21 +267,13 @@ def _contrast(
     return jnp.sum(jnp.where(unlike, ratio, 0), axis=0)
 
 
-def _burden(
-    step: Step, found: Found, loads: Float[Array, "b n"], force: Float[Array, "c n"]
-) -> Float[Array, " n"]:
+def _burden(bears: Float[Array, "b n"], loads: Float[Array, "b n"]) -> Float[Array, " n"]:
     """Return the largest load that lies on any body, in weights of that body, times a factor.
 
     It is 0 up to the usual. What lies on a body slows sweeps down, though no two neighbours need be
-    unlike. It cannot weigh more than all bodies together: what presses harder is a motor or a blow.
+    unlike.
     """
-    points, count = found.points, len(loads)
-    pressed = onto(force, points.body_a, count) + onto(force, points.body_b, count)
-    gravity = jnp.sqrt(jnp.sum(step.world.gravity**2, axis=0))
-    total = jnp.sum(_masses(step.world), axis=0)
-    # What lies still is pressed from below as much as from above.
-    borne = jnp.minimum(pressed / 2 / nonzero(gravity), total)
-    burden = jnp.where(loads > 0, borne / nonzero(loads), 0)
+    burden = jnp.where(loads > 0, bears / nonzero(loads), 0)
     most = jnp.max(burden, axis=0)
     return jnp.where(most > constants.USUAL_BURDEN, constants.WEIGHT_OF_BURDEN * most, 0)
 

@@ -34,7 +34,7 @@ from kinetix.engine.solvers.direct.joint_system import (
     project,
     settle,
 )
-from kinetix.engine.solvers.direct.masses import effective_masses, pivoted
+from kinetix.engine.solvers.direct.masses import borne, effective_masses, pivoted
 from kinetix.engine.solvers.direct.memory import DirectCache, finish, warm_start
 from kinetix.engine.solvers.direct.phase import Phase, before_walls
 from kinetix.engine.solvers.room import usual_room
@@ -106,8 +106,11 @@ class Direct(AbstractSolver):
         h = parameters.dt / self.substeps
         store = Store.beside(state.rotation)
         links = joint_links(world, spec.features)
-        masses, loose = store(effective_masses(world, state, links, h, self.substeps))
         found = find_contacts(world, state, parameters, spec, self.slots_for(spec), store)
+        bias_impulse, relax_impulse = store(warm_start(state.cache, found))
+        force = (bias_impulse + relax_impulse)[: found.points.key.shape[0]] / h
+        bears = store(borne(world, found, force))
+        masses, loose = store(effective_masses(world, state, links, bears, h, self.substeps))
         this = Step(
             world=world,
             control=control,
@@ -122,9 +125,7 @@ class Direct(AbstractSolver):
         velocity = Velocity(linear=vec(state.velocity), angular=state.angular_velocity)
         position = vec(state.position)
         joints = joint_system(this, position, state.rotation, velocity, h / 2)
-        bias_impulse, relax_impulse = store(warm_start(state.cache, found))
-        force = (bias_impulse + relax_impulse)[: found.points.key.shape[0]] / h
-        system, gap = contact_system(this, state, found, joints, self.block, force)
+        system, gap = contact_system(this, state, found, joints, self.block, bears)
         start = Phase(
             position=position,
             rotation=state.rotation,
