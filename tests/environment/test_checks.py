@@ -239,7 +239,7 @@ def test_a_batch_is_refused_where_one_state_belongs(small_env, small_state, smal
 )
 def test_a_forked_process_is_refused(monkeypatch, small_env, small_state, small_static, call):
     monkeypatch.setattr(forks, "_FORKED", [1])
-    with pytest.raises(KinetixError, match="would hang: start it anew"):
+    with pytest.raises(KinetixError, match="would hang: start it again"):
         call(small_env, small_state, small_static)
 
 
