@@ -1,4 +1,4 @@
-"""How fast a loop is: the one rule of all benchmarks."""
+"""The one rule by which all benchmarks time a loop."""
 
 import statistics
 import time

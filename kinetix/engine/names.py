@@ -5,7 +5,7 @@ from typing import Final
 PRESET_NAMES: Final = ("jax2d", "fast", "balanced", "accurate", "reference")
 """Presets of the engine, in the order of growing accuracy."""
 DEFAULT_PHYSICS: Final = "balanced"
-"""What is used where nothing else is named."""
+"""The physics that is used unless another is named."""
 SOLVER_NAMES: Final = (
     "pgs_baumgarte",
     "pgs_soft",

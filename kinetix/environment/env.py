@@ -307,7 +307,7 @@ def make_kinetix_env(  # noqa: PLR0913 (the public signature)
 
 
 def _kind(value: Any, base: type, argument: str, names: Any, table: dict[str, Any]) -> Any:
-    """What makes the kind that a value means: a class, or the options of an object of one."""
+    """Return a function that makes the kind that a value means."""
     if isinstance(value, base):
         return functools.partial(dataclasses.replace, value)
     if isinstance(value, type) and issubclass(value, base):

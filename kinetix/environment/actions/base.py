@@ -63,7 +63,7 @@ class AbstractAction(abc.ABC):
         state: EnvState | Labels,
         static_env_params: StaticEnvParams | None = None,
     ) -> Control | Float[Array, " jt"]:
-        """What an action means to the engine: a number per joint and one per thruster.
+        """Return what an action means to the engine: a number per joint and one per thruster.
 
         Args:
             action: An element of `action_space`.

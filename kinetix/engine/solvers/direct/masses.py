@@ -23,7 +23,7 @@ def masses_of(world: World) -> Float[Array, "b n"]:
 
 
 def borne(world: World, found: Found, force: Float[Array, "c n"]) -> Float[Array, "b n"]:
-    """What each body bears [kg]: the mass whose weight is half of all that presses on it.
+    """Return the load of each body [kg]: the mass whose weight is half of all that presses on it.
 
     It cannot weigh more than all bodies together: what presses harder is a motor or a blow.
 
