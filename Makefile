@@ -80,11 +80,11 @@ bench: setup-run ## measure speed and rendering into bench/, one JSON object a l
 	$(VENV)/kinetix bench render --json | tee bench/render.jsonl
 
 screenshots: setup-run ## take the pictures of docs/pictures anew, without a display
-	@$(VENV)/python scripts/screenshots.py
+	@$(VENV)/python scripts/docs_pictures.py
 	@$(VENV)/python -m scripts.contact_sheet
 
 screens: setup-run ## picture the app in every size, scale and theme, into out/screens
-	@$(VENV)/python -m scripts.screens $(ARGS)
+	@$(VENV)/python -m scripts.screen_matrix $(ARGS)
 
 wheel: setup-run ## check the wheel in empty environments outside of the checkout, for each Python at hand
 	@$(VENV)/python scripts/check_wheel.py $(ARGS)

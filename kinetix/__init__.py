@@ -24,7 +24,7 @@ if TYPE_CHECKING:
         make_reset_fn_list_of_levels,
         make_reset_fn_sample_kinetix_level,
     )
-    from kinetix.environment.runs import simulate
+    from kinetix.environment.simulation import simulate
     from kinetix.environment.spaces import ActionType, ObservationType
     from kinetix.environment.state import EnvState
     from kinetix.environment.vector import VectorEnv, vectorize
@@ -34,8 +34,8 @@ if TYPE_CHECKING:
     from kinetix.level.codec import load_level, save_level
     from kinetix.level.model import Level
     from kinetix.pages.show import show
+    from kinetix.render.film_files import save_film
     from kinetix.render.pixels import make_render_pixels
-    from kinetix.render.saving import save_film
     from kinetix.version import __version__
 
 _HOME = {
@@ -63,10 +63,10 @@ _HOME = {
     "permute_state": "kinetix.environment.rearrange",
     "sample_kinetix_level": "kinetix.environment.generators.sample",
     "save_agent": "kinetix.agents.agent",
-    "save_film": "kinetix.render.saving",
+    "save_film": "kinetix.render.film_files",
     "save_level": "kinetix.level.codec",
     "show": "kinetix.pages.show",
-    "simulate": "kinetix.environment.runs",
+    "simulate": "kinetix.environment.simulation",
     "static_env_params_from_size": "kinetix.environment.params",
     "__version__": "kinetix.version",
     "use_all_cores": "kinetix.cores",

@@ -17,9 +17,9 @@ from typing import Final
 
 from kinetix.bundled import level_hint
 from kinetix.environment.env import KinetixEnv
-from kinetix.environment.plans import random_plans
-from kinetix.environment.search import play_plans, search_task, solving_env
-from kinetix.environment.stretches import BATCH, stretches
+from kinetix.environment.search.beam import BATCH, stretches
+from kinetix.environment.search.plans import random_plans
+from kinetix.environment.search.search import play_plans, search_task, solving_env
 from kinetix.level.codec import level_hash, load_level
 from kinetix.level.model import Level
 from kinetix.level.sets import level_files

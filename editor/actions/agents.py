@@ -12,7 +12,6 @@ from editor.base.prompts import Choice, FileQuestion, MenuQuestion
 from editor.play.mode import Mode
 from editor.session import Session
 from editor.worker.jobs import Job, JobState
-from editor.worker.recording import Action
 from editor.worker.requests import (
     BUILT_IN,
     PLANNER,
@@ -20,6 +19,7 @@ from editor.worker.requests import (
     LoadAgent,
     Rehearse,
 )
+from editor.worker.snapshots import Action
 from kinetix.bundled import named_agent
 from kinetix.errors import CommandError
 from kinetix.level.model import Level

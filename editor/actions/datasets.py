@@ -6,8 +6,8 @@ from pathlib import Path
 from editor.base.prompts import FileQuestion
 from editor.session import Session
 from editor.worker.jobs import Job, JobState
-from editor.worker.recording import Trace
 from editor.worker.requests import AddEpisode
+from editor.worker.snapshots import Trace
 from kinetix.datasets.folder import MANIFEST, read_manifest
 from kinetix.errors import CommandError, KinetixError
 from kinetix.level.model import Level

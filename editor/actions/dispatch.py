@@ -9,11 +9,11 @@ from editor.actions import (
     address,
     agents,
     context,
+    external_change,
     gallery,
-    leave,
     many_files,
-    outside,
     play,
+    quitting,
     recording,
     train,
     watch,
@@ -302,7 +302,7 @@ def advance(session: Session, seconds: float) -> None:
         many_files.go_on(session)
     with session.guard():
         recording.follow(session)
-        leave.update_leaving(session)
+        quitting.update_leaving(session)
         watch.update_viewer(session, passed)
         train.update_training(session)
         play.note_end(session)
@@ -318,7 +318,7 @@ def advance(session: Session, seconds: float) -> None:
             session.kept_set.keep(session.gallery.tray)
     if _passed(before, session.time, OUTSIDE_SECONDS):
         with session.guard():
-            outside.check(session)
+            external_change.check(session)
 
 
 def _passed(before: float, now: float, period: float) -> bool:

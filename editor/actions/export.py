@@ -15,8 +15,8 @@ from editor.play.mode import Mode
 from editor.play.trace_files import SUFFIX, read_trace, write_trace
 from editor.session import Session
 from editor.worker.jobs import Job, JobState
-from editor.worker.recording import Trace, channels_of
 from editor.worker.requests import ExportFilm, ExportPicture
+from editor.worker.snapshots import Trace, channels_of
 from editor.worker.trace_pages import SUFFIX as PAGE
 from editor.worker.trace_pages import film_of_trace
 from kinetix.errors import CommandError, KinetixError

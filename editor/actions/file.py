@@ -6,7 +6,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Final
 
-from editor.actions import conflict, folders, moment, outside
+from editor.actions import external_change, folders, moment, save_conflict
 from editor.base.prompts import Choice, FileQuestion, Question
 from editor.base.wording import UNTITLED
 from editor.documents import files
@@ -274,7 +274,7 @@ def save_with_care(
         _save_in_format(session, document, target, format, then, failed)
 
     if files.conflicts(document, path):
-        conflict.ask(session, document, path, save_to, then)
+        save_conflict.ask(session, document, path, save_to, then)
     else:
         save_to(path)
 
@@ -347,7 +347,7 @@ def if_settled(session: Session, tab: Tab, then: Callable[[], None]) -> None:
     if tab.moment is not None and tab.moment.changed:
         ask_moment(session, tab, lambda: if_settled(session, tab, then))
         return
-    outside.note_lost(session, document)
+    external_change.note_lost(session, document)
     if not document.dirty:
         if document.origin:  # restored, and all of it undone or saved: it is not offered again
             session.autosaves.forget(document)

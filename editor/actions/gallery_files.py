@@ -3,7 +3,7 @@
 from collections.abc import Generator
 from pathlib import Path
 
-from editor.actions import gallery, many_files, outside, unsaved
+from editor.actions import external_change, gallery, many_files, unsaved
 from editor.base.prompts import FileQuestion, TextQuestion
 from editor.documents.document import Document
 from editor.gallery import filing
@@ -41,7 +41,7 @@ def rename(session: Session) -> None:
         target = filing.rename(card.file, name)
         _follow(session, document, card.file, target)
         if document is not None:
-            outside.take(session, document)
+            external_change.take(session, document)
         session.gallery.selection, session.gallery.focus = (str(target),), str(target)
         gallery.look(session)
         if target != card.file:

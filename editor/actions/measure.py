@@ -8,10 +8,10 @@ from editor.actions import file
 from editor.actions.agents import known_agents
 from editor.actions.comparison import present
 from editor.actions.unsaved import tell_unsaved
+from editor.agents.attempt_paths import Ways
 from editor.agents.evaluation import Plan
 from editor.agents.folders import about_agent
 from editor.agents.viewer import Guest
-from editor.agents.ways import Ways
 from editor.base.prompts import Choice, FileQuestion, MenuQuestion
 from editor.gallery.results import Record, Trial
 from editor.play.mode import Mode

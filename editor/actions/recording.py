@@ -4,7 +4,7 @@ from collections.abc import Callable
 
 from editor.actions import export
 from editor.base.prompts import Choice, Question
-from editor.play.recording import Recording
+from editor.play.film_recording import Recording
 from editor.session import Session
 from kinetix.errors import CommandError, LevelError
 from kinetix.files.atomic import check_target

@@ -3,12 +3,12 @@
 import dataclasses
 from typing import Final, Literal, TypeAlias
 
+from editor.agents.attempt_paths import Ways
 from editor.agents.curriculum import CurriculumWatch
 from editor.agents.evaluation import Evaluation, bare_summary
 from editor.agents.evaluation_form import EvaluationForm
 from editor.agents.reasons import Reasons
 from editor.agents.run_watch import RunWatch
-from editor.agents.ways import Ways
 from editor.gallery.filing import MovedFile
 from editor.play.second_player import Follower
 from editor.play.simulator import Simulator

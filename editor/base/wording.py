@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from typing import Final
 
 from editor.base.language import tr
-from editor.base.memory import remembers
+from editor.base.memoise import remembers
 from kinetix.level.model import ArenaBody, Body, Entity, Joint, Level, Record, Thruster
 from kinetix.level.validate import issue
 from kinetix.level.validate.issue import capital

@@ -14,7 +14,7 @@ from editor.documents.history import Entry, History
 from kinetix.errors import CommandError
 from kinetix.level.codec import level_hash
 from kinetix.level.integrity import level_faults
-from kinetix.level.kinetix_env import KinetixEnvDocument
+from kinetix.level.kinetix_env.document import KinetixEnvDocument
 from kinetix.level.model import ARENA_NAMES, MAX_ENTITIES, Level
 from kinetix.level.sizes import without_outgrown_size
 from kinetix.level.validate import Issue, validate, value_issues

@@ -13,7 +13,7 @@ from kinetix.files.atomic import free_backup, write_with_backup
 from kinetix.files.names import is_text
 from kinetix.files.regular import FileError, read_bytes
 from kinetix.level.codec import dumps, load_document, resolve_path
-from kinetix.level.kinetix_env import lost_fields
+from kinetix.level.kinetix_env.document import lost_fields
 from kinetix.level.model import Level
 from kinetix.level.sets import is_set_file
 from kinetix.level.sizes import without_outgrown_size

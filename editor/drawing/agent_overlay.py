@@ -17,7 +17,7 @@ from editor.drawing.strokes import arrow
 from editor.drawing.vectors import Painter, Placement, poses_of
 from editor.toolkit.appearance import COLOURS, FONTS, SMALL, Icons, Rgba, alpha, u32
 from editor.toolkit.widgets import broken, font, px
-from editor.worker.recording import Snapshot
+from editor.worker.snapshots import Snapshot
 from kinetix.level.controls import channels_in_use
 from kinetix.level.model import MOTOR_BINDINGS, Circle, Level
 

@@ -13,7 +13,7 @@ from editor.play.impulses import received_impulses
 from editor.toolkit import draw_list
 from editor.toolkit.appearance import COLOURS, FONTS, SMALL, Rgba, alpha, u32
 from editor.toolkit.widgets import font, px
-from editor.worker.recording import Snapshot
+from editor.worker.snapshots import Snapshot
 from kinetix.level.graph import components, may_push, pieces
 from kinetix.level.model import Circle, Joint
 

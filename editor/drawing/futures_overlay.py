@@ -5,7 +5,7 @@ from typing import Any, Final
 from editor.drawing.vectors import Painter
 from editor.toolkit.appearance import COLOURS, Rgba, alpha, u32
 from editor.toolkit.widgets import px
-from editor.worker.recording import Futures, Snapshot
+from editor.worker.snapshots import Futures, Snapshot
 from kinetix.wording import plural
 
 _FAINT: Final = 0.38

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Final
 from imgui_bundle import imgui
 
 from editor.base.camera import ARENA, Camera, Point
-from editor.base.memory import remembers
+from editor.base.memoise import remembers
 from editor.drawing.vectors import Painter, Placement, paint_level
 from editor.toolkit.appearance import COLOURS, alpha, u32
 from editor.toolkit.widgets import px

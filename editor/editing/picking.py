@@ -4,7 +4,7 @@ import math
 from collections.abc import Collection, Iterator, Mapping
 from typing import Final
 
-from editor.base.memory import remembers
+from editor.base.memoise import remembers
 from editor.base.overlay import Handle, HandleKind
 from kinetix.level.geometry import (
     arena_body,

@@ -7,7 +7,7 @@ import numpy as np
 
 from editor.play.mode import Mode
 from editor.play.playback import Playback
-from editor.worker.recording import ENGINE_STEPS_PER_SECOND, Snapshot
+from editor.worker.snapshots import ENGINE_STEPS_PER_SECOND, Snapshot
 from kinetix.level.model import Level
 
 CueName = Literal["hit", "won", "lost", "timeout", "broken"]

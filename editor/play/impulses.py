@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from editor.worker.recording import ENGINE_STEPS_PER_SECOND, Snapshot
+from editor.worker.snapshots import ENGINE_STEPS_PER_SECOND, Snapshot
 from kinetix.level.geometry import inverse_mass, rotate
 from kinetix.level.model import Level, Point
 

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from editor.play.win import Win
-from editor.worker.recording import Snapshot
+from editor.worker.snapshots import Snapshot
 
 
 @dataclass

@@ -4,8 +4,8 @@ import dataclasses
 
 from editor.documents.commands.level import TakePoses
 from editor.documents.document import Document
-from editor.worker.recording import Snapshot
 from editor.worker.requests import Casting
+from editor.worker.snapshots import Snapshot
 from kinetix.level.model import Level
 
 

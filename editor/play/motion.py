@@ -12,7 +12,7 @@ import numpy as np
 
 from editor.play.mode import Mode
 from editor.play.playback import Playback
-from editor.worker.recording import Snapshot
+from editor.worker.snapshots import Snapshot
 
 _MOST_BEHIND: Final = 1.5
 """Steps; what is shown jumps ahead rather than fall further behind."""

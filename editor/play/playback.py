@@ -5,16 +5,16 @@ from typing import Final
 
 from editor.base.controls import NOOP
 from editor.play.mode import Mode
-from editor.play.show import Show
+from editor.play.playback_view import Show
 from editor.play.simulator import Simulator
 from editor.play.states import Editing, Ended, Episode, Live, Paused, Replaying, Starting, State
-from editor.worker.recording import (
+from editor.worker.requests import Casting, Pull
+from editor.worker.snapshots import (
     Action,
     Snapshot,
     Trace,
     channels_of,
 )
-from editor.worker.requests import Casting, Pull
 from kinetix.engine.names import DEFAULT_PHYSICS
 from kinetix.errors import KinetixError
 from kinetix.level.model import Level

@@ -9,8 +9,8 @@ from collections.abc import Callable, Sequence
 from typing import TypeAlias
 
 from editor.play.simulator import Simulator
-from editor.worker.recording import ENGINE_STEPS_PER_SECOND, FRAME_SKIP, Action, Snapshot
 from editor.worker.requests import Casting
+from editor.worker.snapshots import ENGINE_STEPS_PER_SECOND, FRAME_SKIP, Action, Snapshot
 from kinetix.errors import KinetixError
 from kinetix.level.model import Level
 

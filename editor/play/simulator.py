@@ -3,8 +3,8 @@
 from collections.abc import Sequence
 from typing import Protocol
 
-from editor.worker.recording import Action, Snapshot
 from editor.worker.requests import Casting, Pull
+from editor.worker.snapshots import Action, Snapshot
 from kinetix.level.model import Level
 
 

@@ -3,7 +3,8 @@
 import dataclasses
 from typing import TypeAlias
 
-from editor.worker.recording import (
+from editor.worker.requests import Casting
+from editor.worker.snapshots import (
     ENGINE_STEPS_PER_SECOND,
     FRAME_SKIP,
     Action,
@@ -11,7 +12,6 @@ from editor.worker.recording import (
     Snapshot,
     Trace,
 )
-from editor.worker.requests import Casting
 from kinetix.level.model import Level
 
 _RATE_SECONDS = 1.0

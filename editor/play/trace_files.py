@@ -9,7 +9,7 @@ from typing import Any, Final
 import numpy as np
 
 from editor.base.wording import describe
-from editor.worker.recording import Mind, Snapshot, Trace
+from editor.worker.snapshots import Mind, Snapshot, Trace
 from kinetix.environment.outcome import OUTCOMES
 from kinetix.files.atomic import write_atomically
 from kinetix.level.codec import dumps

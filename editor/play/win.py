@@ -5,7 +5,7 @@ import itertools
 from typing import Any
 
 from editor.play.mode import Mode
-from editor.play.show import Show
+from editor.play.playback_view import Show
 from kinetix.level.model import Level, Solution
 
 

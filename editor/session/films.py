@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass, field
 
-from editor.play.recording import Recording
+from editor.play.film_recording import Recording
 from editor.worker.requests import ExportFilm
 
 

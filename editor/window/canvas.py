@@ -34,7 +34,7 @@ from editor.window.mouse import Mouse
 from editor.window.play_image import PlayImage
 from editor.window.play_side import paint_side
 from editor.window.waiting import paint_waiting
-from editor.worker.recording import Snapshot
+from editor.worker.snapshots import Snapshot
 from kinetix.level.geometry import ARENA_WIDTH, FLOOR_TOP
 from kinetix.level.model import Level
 from kinetix.render.palette import KINETIX, PALETTES

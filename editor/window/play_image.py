@@ -13,8 +13,8 @@ import numpy as np
 
 from editor.play.mode import Mode
 from editor.worker.jobs import Job, JobState
-from editor.worker.recording import Snapshot
 from editor.worker.requests import RenderState
+from editor.worker.snapshots import Snapshot
 from kinetix.engine.spec import Capacity
 from kinetix.level.geometry import ARENA_WIDTH
 from kinetix.level.model import Level

@@ -17,7 +17,7 @@ from editor.toolkit.appearance import COLOURS, FONTS, HUGE, SMALL, TEXT, Rgba, a
 from editor.toolkit.modes import MODE_LOOK, OUTCOME_LOOK
 from editor.toolkit.widgets import broken, draw_key_plate, fitted, font, px
 from editor.window.hints import pressed
-from editor.worker.recording import Snapshot
+from editor.worker.snapshots import Snapshot
 from kinetix.environment.outcome import Outcome
 from kinetix.level.controls import channels_in_use, driven_by
 from kinetix.wording import plural

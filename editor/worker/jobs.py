@@ -18,7 +18,6 @@ from typing import Any, Final
 from editor.base.journal import Journal
 from editor.worker.bridge import perform_in_simulation
 from editor.worker.priority import step_back
-from editor.worker.recording import Action, Snapshot
 from editor.worker.requests import (
     Advance,
     Cancelled,
@@ -39,6 +38,7 @@ from editor.worker.requests import (
     Tailor,
     WarmUp,
 )
+from editor.worker.snapshots import Action, Snapshot
 from kinetix.errors import KinetixError
 from kinetix.level.model import Level
 

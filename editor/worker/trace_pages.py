@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from editor.worker.recording import ENGINE_STEPS_PER_SECOND, Mind, Snapshot, Trace
+from editor.worker.snapshots import ENGINE_STEPS_PER_SECOND, Mind, Snapshot, Trace
 from kinetix.level.model import MOTOR_BINDINGS, THRUSTER_BINDINGS, Level
 from kinetix.pages.facts import draws_of, facts_of
 from kinetix.pages.film import Film

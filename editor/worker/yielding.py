@@ -10,7 +10,7 @@ import gc
 from collections.abc import Callable
 from typing import Final
 
-from kinetix.meanwhile import Meanwhile
+from kinetix.shared_setting import Meanwhile
 
 _NEVER: Final = 2**30
 """As many collections of the middle generation have to come before a full one."""

@@ -21,8 +21,9 @@ from kinetix.agents.checkpoint import (
     write_checkpoint,
 )
 from kinetix.agents.directories import surviving
-from kinetix.agents.feeding import check_observations, parts_of_observation
+from kinetix.agents.from_card import network_of_card
 from kinetix.agents.identity import name_in_run
+from kinetix.agents.input_checks import check_observations, parts_of_observation
 from kinetix.agents.kinetix_env import (
     is_peer_checkpoint,
     read_peer_checkpoint,
@@ -32,7 +33,6 @@ from kinetix.agents.networks.recurrent import Carry, initial_carry
 from kinetix.agents.normalisation import from_card, normalise
 from kinetix.agents.player import PLANNER, ROWS, Decision, sample_each
 from kinetix.agents.scripted import SCRIPTED
-from kinetix.agents.shapes import network_of_card
 from kinetix.bundled import agent_hint, named_agent
 from kinetix.environment.checks import check_key
 from kinetix.errors import CheckpointError, KinetixError

@@ -16,7 +16,7 @@ from kinetix.agents.arrays import (
 )
 from kinetix.agents.card import AgentCard, EnvironmentCard, Inventory, read_card, write_card
 from kinetix.agents.directories import replacing_directory
-from kinetix.agents.shapes import normalised_widths, parameter_shapes
+from kinetix.agents.from_card import normalised_widths, parameter_shapes
 from kinetix.engine.presets import solver_named
 from kinetix.errors import CheckpointError, KinetixError
 

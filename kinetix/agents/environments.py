@@ -5,9 +5,9 @@ from typing import Any
 
 from kinetix.agents.card import AgentCard, read_card
 from kinetix.agents.checkpoint import CARD
+from kinetix.agents.from_card import observations_of_card
 from kinetix.agents.planner.simulator import SimulatorObservations
 from kinetix.agents.player import Player
-from kinetix.agents.shapes import observations_of_card
 from kinetix.bundled import agent_names
 from kinetix.engine.spec import Capacity
 from kinetix.environment.env import KinetixEnv, make_kinetix_env

@@ -21,8 +21,8 @@ from kinetix.agents.card import (
     read_json_object,
 )
 from kinetix.agents.checkpoint import check_environment, expected_shapes
+from kinetix.agents.from_card import observations_of_card, static_env_params_of_card
 from kinetix.agents.networks.config import NetworkConfig
-from kinetix.agents.shapes import observations_of_card, static_env_params_of_card
 from kinetix.environment.params import EnvParams
 from kinetix.errors import CheckpointError, LevelError
 from kinetix.files.arrays import read_tensors, tensor_shapes

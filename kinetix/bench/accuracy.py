@@ -4,7 +4,7 @@ import dataclasses
 from collections.abc import Iterator, Sequence
 from typing import Any, Final
 
-from kinetix.bench.metrics import JUDGES, Metric
+from kinetix.bench.judges import JUDGES, Metric
 from kinetix.bench.motion import Motion
 from kinetix.bench.probes import PROBES
 from kinetix.bench.runner import run_trials

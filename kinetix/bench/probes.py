@@ -6,10 +6,10 @@ from typing import Final
 
 import numpy as np
 
-from kinetix.bench.metrics.base import Metric, rms
+from kinetix.bench.judges.base import Metric, rms
 from kinetix.bench.motion import Motion
+from kinetix.bench.random_levels import WildSettings, measure_wild
 from kinetix.bench.runner import run_trials
-from kinetix.bench.wild import WildSettings, measure_wild
 from kinetix.engine.presets import solver_named
 from kinetix.engine.solvers.base import AbstractSolver
 from kinetix.scenes.model import SuiteScene, Trial

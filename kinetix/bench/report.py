@@ -5,7 +5,7 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, Final
 
-from kinetix.bench.metrics.base import normalised_error
+from kinetix.bench.judges.base import normalised_error
 from kinetix.scenes import SCENE_CLASSES, SCENES
 
 ERROR_RANGE: Final = (1e-6, 10.0)

@@ -15,7 +15,7 @@ from kinetix.engine.pipeline import step
 from kinetix.engine.solvers.base import AbstractSolver
 from kinetix.engine.spec import Capacity, SceneSpec
 from kinetix.engine.types import Control, Parameters, State, World
-from kinetix.environment.runs import converted, precision, unclipped
+from kinetix.environment.simulation import converted, precision, unclipped
 from kinetix.level.compile import compile_level
 from kinetix.level.features import features_of, features_union
 from kinetix.level.sizes import needed_capacity

@@ -15,7 +15,7 @@ from types import ModuleType
 from typing import Any, Final
 
 from kinetix.bounds import LAST_SEED
-from kinetix.cli.one_core import OneCore
+from kinetix.cli.shared.one_core import OneCore
 from kinetix.cores import check_cores, use_all_cores
 from kinetix.errors import KinetixError
 from kinetix.failures import (

@@ -11,8 +11,8 @@ from typing import Annotated, Any
 
 import tyro
 
-from kinetix.cli.one_core import OneCore
-from kinetix.cli.terminal import Terminal, announced
+from kinetix.cli.shared.one_core import OneCore
+from kinetix.cli.shared.terminal import Terminal, announced
 from kinetix.cores import wanted_cores
 from kinetix.engine.names import DEFAULT_PHYSICS
 from kinetix.errors import KinetixError

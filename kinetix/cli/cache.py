@@ -3,7 +3,7 @@
 import dataclasses
 import sys
 
-from kinetix.cli.one_core import OneCore
+from kinetix.cli.shared.one_core import OneCore
 from kinetix.files.caches import CACHES, cache_bytes, cache_folder, clear_cache
 from kinetix.files.limits import MIB
 

@@ -18,7 +18,7 @@ from kinetix.agents.compare import (
 )
 from kinetix.agents.comparison_files import signed
 from kinetix.agents.results import LevelFailure
-from kinetix.cli.measured import levels_to_measure, named, parts_of, told_parts, watched
+from kinetix.cli.shared.measured import levels_to_measure, named, parts_of, told_parts, watched
 from kinetix.errors import KinetixError
 from kinetix.files.folders import made_folder
 from kinetix.level.sets import SetLevel

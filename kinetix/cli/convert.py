@@ -9,13 +9,13 @@ from typing import Annotated, Final
 import tyro
 from tyro.conf import Positional
 
-from kinetix.cli.one_core import OneCore
+from kinetix.cli.shared.one_core import OneCore
 from kinetix.errors import KinetixError
 from kinetix.files.atomic import backup_of, write_with_backup
 from kinetix.files.folders import made_folder
 from kinetix.level.canonical import FORMAT
 from kinetix.level.codec import LevelFormat, dumps, load_document
-from kinetix.level.kinetix_env import lost_fields
+from kinetix.level.kinetix_env.document import lost_fields
 
 _NO_LEVELS: Final = frozenset({".png", ".gif", ".mp4", ".html", ".jpg", ".jpeg", ".svg"})
 """Endings of pictures and films: who names one wants something else."""

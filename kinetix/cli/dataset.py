@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Annotated, Any, Final
 import tyro
 from tyro.conf import Positional
 
-from kinetix.cli.one_core import OneCore
-from kinetix.cli.terminal import Terminal, counted
+from kinetix.cli.shared.one_core import OneCore
+from kinetix.cli.shared.terminal import Terminal, counted
 from kinetix.command_line.paths import NamedPath
 from kinetix.environment.outcome import Outcome
 from kinetix.errors import KinetixError

@@ -6,7 +6,7 @@ from typing import Annotated, Any
 
 import tyro
 
-from kinetix.cli.measured import told_parts
+from kinetix.cli.shared.measured import told_parts
 from kinetix.wording import plural
 
 
@@ -38,7 +38,7 @@ def run(command: Eval) -> int:
     from kinetix.agents.evaluate import Settings, evaluate
     from kinetix.agents.named import load_player
     from kinetix.agents.results import report
-    from kinetix.cli.measured import levels_to_measure, named, parts_of, watched
+    from kinetix.cli.shared.measured import levels_to_measure, named, parts_of, watched
     from kinetix.errors import KinetixError
 
     if command.attempts < 1:

@@ -14,8 +14,8 @@ import tyro
 from tyro.conf import Positional
 
 from kinetix.bundled import named_levels
-from kinetix.cli.one_core import OneCore
-from kinetix.cli.terminal import announced
+from kinetix.cli.shared.one_core import OneCore
+from kinetix.cli.shared.terminal import announced
 from kinetix.cli.validate import issue_tree, reading_issues
 from kinetix.command_line.paths import NamedPath
 from kinetix.engine.names import DEFAULT_PHYSICS

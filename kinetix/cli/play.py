@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import tyro
 
-from kinetix.cli.attempts import check_attempt, decide_of, steps_of_attempt
-from kinetix.cli.terminal import announced
+from kinetix.cli.shared.attempts import check_attempt, decide_of, steps_of_attempt
+from kinetix.cli.shared.terminal import announced
 from kinetix.wording import plural
 
 if TYPE_CHECKING:

@@ -11,8 +11,8 @@ import msgspec
 import tyro
 from tyro.conf import Positional
 
-from kinetix.cli.attempts import check_attempt, decide_of, steps_of_attempt
-from kinetix.cli.terminal import announced
+from kinetix.cli.shared.attempts import check_attempt, decide_of, steps_of_attempt
+from kinetix.cli.shared.terminal import announced
 from kinetix.errors import KinetixError
 from kinetix.files.atomic import check_target, replacing
 from kinetix.files.folders import made_folder

@@ -10,7 +10,7 @@ from typing import Annotated
 import tyro
 from tyro.conf import Positional
 
-from kinetix.cli.terminal import Terminal, counted
+from kinetix.cli.shared.terminal import Terminal, counted
 from kinetix.command_line.paths import NamedPath
 from kinetix.errors import KinetixError
 from kinetix.files.folders import made_folder

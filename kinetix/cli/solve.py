@@ -15,7 +15,7 @@ import tyro
 from tyro.conf import Positional
 
 from kinetix.bundled import named_levels
-from kinetix.cli.terminal import announced
+from kinetix.cli.shared.terminal import announced
 from kinetix.engine.names import DEFAULT_PHYSICS
 from kinetix.errors import KinetixError, LevelError
 from kinetix.files.atomic import backup_of, check_target, write_with_backup
@@ -29,7 +29,7 @@ from kinetix.wording import plural
 
 if TYPE_CHECKING:
     from kinetix.environment.env import KinetixEnv
-    from kinetix.environment.search import SearchProgress
+    from kinetix.environment.search.search import SearchProgress
 
 _NO_TASK = ("E101", "E102", "E104", "E105", "W216")
 """Codes of levels that nothing can win: without a green and a blue that can touch, or over before
@@ -162,7 +162,7 @@ def _with_environments(
 ) -> Iterator[tuple[SetLevel, "KinetixEnv"]]:
     """Each level with an environment to search it in; levels of one size share theirs."""
     # Imported here, so that a wrong command line or a bad level fails before JAX loads.
-    from kinetix.environment.search import solving_env
+    from kinetix.environment.search.search import solving_env
 
     sizes = dict.fromkeys(capacity_of(each.level) for each in chosen)
     for size in sizes:
@@ -183,7 +183,7 @@ def _titles(chosen: list[SetLevel]) -> dict[str, str]:
 
 
 def _solve(each: SetLevel, title: str, command: Solve, env: "KinetixEnv") -> bool:
-    from kinetix.environment.search import solve_level
+    from kinetix.environment.search.search import solve_level
 
     level, last, shown = each.level, None, (-math.inf, 0, "")
     compiling = contextlib.ExitStack()

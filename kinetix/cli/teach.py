@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import tyro
 
-from kinetix.cli.terminal import Terminal
+from kinetix.cli.shared.terminal import Terminal
 from kinetix.command_line.paths import NamedPath
 from kinetix.engine.names import DEFAULT_PHYSICS
 from kinetix.errors import KinetixError

@@ -10,15 +10,15 @@ from typing import Annotated, Any, Final, Union
 import tyro
 
 from kinetix.agents.networks.config import NetworkConfig
-from kinetix.cli.terminal import Terminal, announced
+from kinetix.cli.shared.terminal import Terminal, announced
 from kinetix.command_line.paths import NamedPath
 from kinetix.cores import narrow_cores
 from kinetix.errors import KinetixError
 from kinetix.training.averages import PREFIX
 from kinetix.training.config import CONFIGS, BcConfig
+from kinetix.training.progress_text import say_nothing
 from kinetix.training.settings import CONFIG, SOURCES, field_notes, preset_values, settings_of
 from kinetix.training.sweep import SweepRun, lines, read_sweep, table, write_table
-from kinetix.training.telling import say_nothing
 from kinetix.wording import plural, thousands
 
 _SMALL: Final = "small"
@@ -272,7 +272,7 @@ def _announcement(algorithm: str, setup: Any) -> str:
 
 def _room(setup: Any) -> str:
     """Report how many environments fit into memory."""
-    from kinetix.training.memory import estimate
+    from kinetix.training.memory_estimate import estimate
 
     need = estimate(setup)
     return (

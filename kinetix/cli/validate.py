@@ -12,7 +12,7 @@ import tyro
 from tyro.conf import Positional
 
 from kinetix.bundled import named_levels, refuse_empty
-from kinetix.cli.one_core import OneCore
+from kinetix.cli.shared.one_core import OneCore
 from kinetix.errors import LevelError, plain
 from kinetix.failures import crash_sentence
 from kinetix.level.codec import (

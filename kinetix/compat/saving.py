@@ -32,7 +32,7 @@ from kinetix.files.regular import FileError
 from kinetix.level.codec import loads_document, resolve_path, save_level
 from kinetix.level.compile import Scene
 from kinetix.level.decompile import level_from_scene
-from kinetix.level.kinetix_env_compile import compile_kinetix_env
+from kinetix.level.kinetix_env.compile import compile_kinetix_env
 from kinetix.level.model import InertiaModel, Level
 from kinetix.level.validate import validate
 from kinetix.paths import levels_dir

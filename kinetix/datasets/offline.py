@@ -29,7 +29,7 @@ from kinetix.files.folders import begun_folder
 from kinetix.files.json_text import read_object
 from kinetix.files.regular import FileError
 from kinetix.level.codec import loads
-from kinetix.level.kinetix_env_schema import ENV_PARAMS, KinetixContact, static_env_params
+from kinetix.level.kinetix_env.schema import ENV_PARAMS, KinetixContact, static_env_params
 from kinetix.level.model import MOTOR_BINDINGS, Level
 from kinetix.level.sizes import parse_capacity
 from kinetix.wording import misfit, plural

@@ -14,7 +14,7 @@ import numpy as np
 from jax.lax import GatherDimensionNumbers, GatherScatterMode
 from jaxtyping import Array, Bool, Float, Int, Shaped
 
-from kinetix.engine.machine import takes_whole_batches
+from kinetix.engine.backend import takes_whole_batches
 
 T = TypeVar("T")
 

@@ -12,7 +12,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
-from kinetix.engine.machine import takes_whole_batches
+from kinetix.engine.backend import takes_whole_batches
 from kinetix.pytree import pytree
 
 T = TypeVar("T")

@@ -20,7 +20,7 @@ from kinetix.environment.actions.base import AbstractAction
 from kinetix.environment.actions.checks import check_choice
 from kinetix.environment.arguments import NUMBERS, is_array, kind_of
 from kinetix.environment.bounds import check_numbers
-from kinetix.environment.left_out import check_features
+from kinetix.environment.feature_check import check_features
 from kinetix.environment.params import EnvParams, PhysicsEngine
 from kinetix.environment.state import EnvState
 from kinetix.errors import KinetixError

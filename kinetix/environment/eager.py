@@ -18,7 +18,7 @@ from kinetix.compiler import quick_options
 from kinetix.engine.promotion import usual_promotion
 from kinetix.environment.actions.checks import with_usual_action
 from kinetix.environment.checks import check_values, refuse_what_is_no_array
-from kinetix.environment.meshes import refuse_mesh
+from kinetix.environment.mesh_check import refuse_mesh
 from kinetix.environment.params import EnvParams
 from kinetix.forks import refuse_forked_process
 from kinetix.programs import make_room

@@ -25,7 +25,7 @@ from kinetix.environment.checks import (
 from kinetix.environment.dummy import DummyEnv
 from kinetix.environment.eager import quick_alone
 from kinetix.environment.kernels import observing, playing
-from kinetix.environment.methods import MethodsOfKinetixEnv, set_method
+from kinetix.environment.kinetix_env.methods import MethodsOfKinetixEnv, set_method
 from kinetix.environment.observations import OBSERVATIONS, AbstractObservation, Layout
 from kinetix.environment.params import (
     EnvParams,

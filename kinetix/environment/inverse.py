@@ -11,6 +11,7 @@ from jaxtyping import Array, Bool, Float, Int
 
 from kinetix.engine.spec import ARENA_BODIES, Capacity
 from kinetix.engine.types import Bodies, Joints, Thrusters, World
+from kinetix.environment.kinetix_env.rewrite import collision_matrix
 from kinetix.environment.observations import EntityObservation, Feature, Layout
 from kinetix.environment.observations.flat import BOUND
 from kinetix.environment.observations.rows import (
@@ -19,7 +20,6 @@ from kinetix.environment.observations.rows import (
     body_rows,
 )
 from kinetix.environment.params import EnvParams, StaticEnvParams, physics_engine
-from kinetix.environment.rewrite import collision_matrix
 from kinetix.environment.state import EnvState, state_of
 from kinetix.errors import KinetixError
 from kinetix.level.compile import Labels, compile_level

@@ -8,18 +8,18 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Int
 
+from kinetix.aliases import also_named
 from kinetix.engine.pairs import candidate_pairs
 from kinetix.engine.pipeline import empty_cache
 from kinetix.engine.spec import ARENA_BODIES, Capacity
 from kinetix.engine.types import Bodies, World
 from kinetix.environment.checks import check_key, check_one_state, check_static_params
-from kinetix.environment.fields import CONSTANTS
+from kinetix.environment.kinetix_env.fields import CONSTANTS
 from kinetix.environment.params import StaticEnvParams, physics_engine
 from kinetix.environment.state import EnvState, without_contacts
 from kinetix.errors import KinetixError
 from kinetix.forks import refuse_forked_process
 from kinetix.level.features import capacity_of_world
-from kinetix.renamed import also_named
 
 
 def expand_state(

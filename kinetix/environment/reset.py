@@ -13,12 +13,13 @@ import msgspec
 import numpy as np
 from jaxtyping import Array, Float
 
+from kinetix.aliases import also_named
 from kinetix.bounds import LAST_SEED
 from kinetix.bundled import named_levels, permutation_of
 from kinetix.engine.spec import Features, SceneSpec
 from kinetix.environment.arguments import kind_of
 from kinetix.environment.checks import check_draw, check_static_params
-from kinetix.environment.left_out import check_features
+from kinetix.environment.feature_check import check_features
 from kinetix.environment.params import (
     EnvParams,
     Parity,
@@ -36,8 +37,8 @@ from kinetix.forks import refuse_forked_process
 from kinetix.level.codec import LoadedLevel, check_computable, load_document
 from kinetix.level.compile import compile_level
 from kinetix.level.features import features_of, features_union
-from kinetix.level.kinetix_env import STANDARD_GRAVITY
-from kinetix.level.kinetix_env_compile import compile_kinetix_env
+from kinetix.level.kinetix_env.compile import compile_kinetix_env
+from kinetix.level.kinetix_env.document import STANDARD_GRAVITY
 from kinetix.level.model import Level
 from kinetix.level.sets import (
     LoadedSet,
@@ -49,7 +50,6 @@ from kinetix.level.sets import (
 )
 from kinetix.level.sizes import capacity_of
 from kinetix.pytree import on_device
-from kinetix.renamed import also_named
 
 if TYPE_CHECKING:
     from kinetix.environment.generators.locomotion import LocomotionParams

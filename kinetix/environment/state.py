@@ -10,8 +10,8 @@ from jaxtyping import Array, Bool, Float, Int
 
 from kinetix.engine.spec import ARENA_BODIES, Capacity
 from kinetix.engine.types import State, World
-from kinetix.environment.fields import FieldsOfKinetixEnv
-from kinetix.environment.rewrite import own_changes
+from kinetix.environment.kinetix_env.fields import FieldsOfKinetixEnv
+from kinetix.environment.kinetix_env.rewrite import own_changes
 from kinetix.errors import KinetixError
 from kinetix.level.compile import Labels, Scene
 from kinetix.level.model import Level, Polygon

@@ -12,7 +12,7 @@ from kinetix.environment.checks import check_env, check_values, check_worlds
 from kinetix.environment.devices import in_shares
 from kinetix.environment.eager import thorough
 from kinetix.environment.env import KinetixEnv
-from kinetix.environment.methods import ResetsByName
+from kinetix.environment.kinetix_env.methods import ResetsByName
 from kinetix.environment.state import EnvState
 from kinetix.environment.wrappers import without_logs
 from kinetix.errors import KinetixError

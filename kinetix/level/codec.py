@@ -26,9 +26,9 @@ from kinetix.level.canonical import (
 from kinetix.level.faults import EnoughFaults, Fault, FaultCollector, fail, found
 from kinetix.level.integrity import level_faults
 from kinetix.level.json_text import DuplicateKeys, decode_text, parse_json, read_text
-from kinetix.level.kinetix_env import KinetixEnvDocument, document_from_tree, lost_fields
-from kinetix.level.kinetix_env_export import from_level
-from kinetix.level.kinetix_env_import import to_level
+from kinetix.level.kinetix_env.document import KinetixEnvDocument, document_from_tree, lost_fields
+from kinetix.level.kinetix_env.export import from_level
+from kinetix.level.kinetix_env.to_level import to_level
 from kinetix.level.migrations import migrate
 from kinetix.level.model import Level, Record
 from kinetix.level.schema import check_tree

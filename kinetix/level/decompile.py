@@ -39,7 +39,7 @@ from kinetix.level.model import (
     Polygon,
     Thruster,
 )
-from kinetix.level.sayable import check_sayable
+from kinetix.level.representable import check_sayable
 from kinetix.level.sizes import (
     size_hint,
     size_name,

@@ -21,7 +21,7 @@ import msgspec
 from msgspec import Meta
 
 from kinetix.errors import LevelError
-from kinetix.level.extremes import (
+from kinetix.level.limits import (
     FARTHEST,
     FARTHEST_PART,
     FASTEST,

@@ -15,9 +15,9 @@ import msgspec
 from msgspec import inspect
 
 from kinetix.files.names import is_text
-from kinetix.level.extremes import LARGEST_REAL
 from kinetix.level.faults import FaultCollector, bounds_text
 from kinetix.level.json_text import DuplicateKeys
+from kinetix.level.limits import LARGEST_REAL
 from kinetix.level.model import Level, Limits, Motor
 
 REQUIRED: Final[dict[type[msgspec.Struct], set[str]]] = {

@@ -18,7 +18,7 @@ from kinetix.pages.page import MOST_FILMS, page_of
 from kinetix.pages.recorded import film_of_file
 
 if TYPE_CHECKING:
-    from kinetix.environment.runs import Run
+    from kinetix.environment.simulation import Run
 
 HEIGHT: Final = 760
 """Of the frame in a notebook [px]."""

@@ -16,13 +16,24 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
+from kinetix.aliases import also_named
 from kinetix.engine.types import State, World
 from kinetix.errors import KinetixError
 from kinetix.forks import refuse_forked_process
 from kinetix.pytree import pytree, static
-from kinetix.renamed import also_named
-from kinetix.render import columns, poses
+from kinetix.render import poses
 from kinetix.render.palette import KINETIX
+from kinetix.render.spans import (
+    FAR,
+    Span,
+    box_span,
+    byte_rows,
+    disc_span,
+    intersection,
+    paint,
+    polygon_span,
+    ray_span,
+)
 from kinetix.render.style import FIRST_POLYGON, FLOOR, THRUSTER_FLAME, THRUSTER_NOZZLE
 
 if TYPE_CHECKING:
@@ -109,18 +120,18 @@ def _canvas(point: Float[Array, "*s 2"], grid: PixelGrid) -> Float[Array, "*s 2"
     return (point + grid.margin_metres) * grid.per_metre
 
 
-def _patch(position: Float[Array, "b 2"], grid: PixelGrid, x: Float[Array, " x"]) -> columns.Span:
+def _patch(position: Float[Array, "b 2"], grid: PixelGrid, x: Float[Array, " x"]) -> Span:
     """Return the square in which a body is drawn: what sticks out of it is cut off."""
     corner = jnp.trunc(_canvas(position - grid.margin_metres / 2, grid))
     most = jnp.array([grid.width + grid.margin, grid.height + grid.margin], corner.dtype)
-    return columns.box_span(jnp.clip(corner, 0, most[None, :]), grid.margin, x)
+    return box_span(jnp.clip(corner, 0, most[None, :]), grid.margin, x)
 
 
 @pytree
 class _Layers:
     """Shapes of one kind, with how many layers each of them has."""
 
-    spans: columns.Span
+    spans: Span
     shown: Bool[Array, " q"]
     code: Int[Array, " q"]
 
@@ -141,8 +152,8 @@ def _polygons(
     keep = np.r_[FLOOR, FIRST_POLYGON:count]
     patch = _patch(state.position[:count], grid, x)
     everywhere = (
-        jnp.full_like(patch[0][:1], -columns.FAR),
-        jnp.full_like(patch[1][:1], columns.FAR),
+        jnp.full_like(patch[0][:1], -FAR),
+        jnp.full_like(patch[1][:1], FAR),
     )
     patch = (
         jnp.concatenate([everywhere[0], patch[0][FIRST_POLYGON:]]),
@@ -152,7 +163,7 @@ def _polygons(
     insets = ((0.0, jnp.full(len(keep), _BLACK)), (grid.edge, code[keep]))
     return [
         _Layers(
-            spans=columns.intersection(columns.polygon_span(vertices, inset, x), patch),
+            spans=intersection(polygon_span(vertices, inset, x), patch),
             shown=shown,
             code=paint,
         )
@@ -171,9 +182,9 @@ def _circles(
     shown = world.bodies.active[first:]
     black = jnp.full(shown.shape, _BLACK)
     radius = world.bodies.radius * grid.per_metre
-    whole = columns.intersection(columns.disc_span(centre, radius, x), patch)
-    inner = columns.intersection(columns.disc_span(centre, radius - grid.edge, x), patch)
-    line = columns.intersection(whole, columns.ray_span(centre, state.rotation[first:], x))
+    whole = intersection(disc_span(centre, radius, x), patch)
+    inner = intersection(disc_span(centre, radius - grid.edge, x), patch)
+    line = intersection(whole, ray_span(centre, state.rotation[first:], x))
     fill = _Layers(spans=inner, shown=shown, code=_body_codes(world, role)[first:])
     edge = _Layers(spans=whole, shown=shown, code=black)
     spoke = _Layers(spans=line, shown=shown, code=black)
@@ -190,11 +201,11 @@ def _joints(
     """Return joints: one pixel, or a square for a weld and a disc for a revolute joint."""
     joints = world.joints
     centre = jnp.round(_canvas(poses.joint_anchors(world, state), grid))
-    square = columns.box_span(centre - grid.joint // 2, grid.joint, x)
+    square = box_span(centre - grid.joint // 2, grid.joint, x)
     half = (grid.joint - 1) / 2
     middle = centre - grid.joint // 2 + half
     # A quarter of a pixel more than half the side keeps small discs from turning into crosses.
-    disc = columns.disc_span(middle, jnp.full(middle.shape[:1], half + 0.25), x)
+    disc = disc_span(middle, jnp.full(middle.shape[:1], half + 0.25), x)
     weld = joints.fixed[:, None]
     spans = tuple(jnp.where(weld, s, d) for s, d in zip(square, disc, strict=True))
     driven = joints.motor_on & ~joints.fixed
@@ -224,14 +235,14 @@ def _thrusters(
         turned = poses.rotated(
             jnp.broadcast_to(local, shape), jnp.broadcast_to(direction[:, None], shape[:2])
         )
-        spans = columns.polygon_span(turned + middle[:, None, :], 0.0, x)
+        spans = polygon_span(turned + middle[:, None, :], 0.0, x)
         layers.append(_Layers(spans=spans, shown=world.thrusters.active, code=code))
     return layers
 
 
 def _interleaved(layers: list[_Layers], grid: PixelGrid) -> tuple[Array, Array, Array]:
     """All layers of a kind in drawing order: one shape after the other, its layers together."""
-    rows = [columns.byte_rows(s.spans, s.shown, grid.margin, grid.height) for s in layers]
+    rows = [byte_rows(s.spans, s.shown, grid.margin, grid.height) for s in layers]
     low, count = (jnp.stack(part, axis=1) for part in zip(*rows, strict=True))
     code = jnp.stack([layer.code for layer in layers], axis=1)
     flat = (-1, low.shape[-1])
@@ -269,7 +280,7 @@ def pixel_codes(
     low, count, code = (jnp.concatenate(part) for part in zip(*kinds, strict=True))
     # Without this the compiler computes the spans again for every pixel.
     low, count, code = jax.lax.optimization_barrier((low, count, code))
-    return columns.paint(low, count, code, _WHITE, grid.height)
+    return paint(low, count, code, _WHITE, grid.height)
 
 
 @functools.lru_cache(maxsize=64)  # later calls get the compiled function

@@ -7,8 +7,9 @@ import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int, UInt8
 
 from kinetix.engine.types import State, World
-from kinetix.render import poses, raster, textures
+from kinetix.render import poses, raster
 from kinetix.render.camera import Camera, to_pixels
+from kinetix.render.marks import colour_table, joint_marks, role_glyphs, thruster_marks
 from kinetix.render.palette import KINETIX, Palette
 from kinetix.render.style import (
     FIRST_POLYGON,
@@ -43,10 +44,10 @@ class _View:
 
     def fills(self, role: Int[Array, " b"], fixed: Bool[Array, " b"]) -> Float[Array, "b 3"]:
         table = [self.palette.fill(number, dark) for dark in (False, True) for number in range(4)]
-        return textures.colour_table(tuple(table))[role + 4 * fixed]
+        return colour_table(tuple(table))[role + 4 * fixed]
 
     def outlines(self, count: int) -> Float[Array, "c 3"]:
-        return jnp.broadcast_to(textures.colour_table((self.palette.outline,)), (count, 3))
+        return jnp.broadcast_to(colour_table((self.palette.outline,)), (count, 3))
 
 
 def _patterned(
@@ -98,7 +99,7 @@ def _with_glyphs(
     layers = list(bodies)
     if view.style.glyphs:
         radius = jnp.minimum(view.style.glyph_radius, view.style.glyph_share * inscribed)
-        glyphs = textures.role_glyphs(
+        glyphs = role_glyphs(
             view.pixels(middle),
             angle,
             radius * view.scale,
@@ -177,9 +178,9 @@ def _circles(world: World, state: State, role: Int[Array, " b"], view: _View) ->
 
 def _joints(world: World, state: State, binding: Int[Array, " j"], view: _View) -> raster.Layers:
     joints = world.joints
-    table = textures.colour_table((*view.palette.motor_bindings, view.palette.uncontrolled))
+    table = colour_table((*view.palette.motor_bindings, view.palette.uncontrolled))
     driven = joints.motor_on & ~joints.fixed
-    marks = textures.joint_marks(
+    marks = joint_marks(
         view.pixels(poses.joint_anchors(world, state)),
         jnp.asarray(state.rotation)[joints.body_a],
         joints.fixed,
@@ -194,10 +195,10 @@ def _joints(world: World, state: State, binding: Int[Array, " j"], view: _View) 
 
 def _thrusters(world: World, state: State, binding: Int[Array, " t"], view: _View) -> raster.Layers:
     position, direction = poses.thruster_poses(world, state)
-    marks = textures.thruster_marks(
+    marks = thruster_marks(
         view.pixels(position),
         direction,
-        textures.colour_table(view.palette.thruster_bindings)[binding],
+        colour_table(view.palette.thruster_bindings)[binding],
         world.thrusters.active,
         view.scale,
         view.palette,

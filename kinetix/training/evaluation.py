@@ -21,8 +21,8 @@ from kinetix.level.sets import SetLevel, evaluation_part, gather_levels
 from kinetix.level.sizes import capacity_of, describe_capacity
 from kinetix.paths import levels_dir
 from kinetix.training.config import PpoConfig
+from kinetix.training.progress_text import Say, say_nothing
 from kinetix.training.setup import Setup
-from kinetix.training.telling import Say, say_nothing
 from kinetix.wording import plural
 
 _ENOUGH_WAITS: Final = 8

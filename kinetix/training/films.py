@@ -11,8 +11,8 @@ from kinetix.agents.agent import Agent
 from kinetix.agents.evaluate import NamedLevel, Settings
 from kinetix.agents.films import film_episode
 from kinetix.training.evaluation import levels_to_watch
+from kinetix.training.progress_text import Say
 from kinetix.training.setup import Setup
-from kinetix.training.telling import Say
 
 FILMS: Final = "films"
 """Folder of a run; a folder per number of environment steps, a GIF per level."""

@@ -25,9 +25,9 @@ from kinetix.training.films import Filming
 from kinetix.training.logging import STEPS, UPDATE, Sink, read_metrics
 from kinetix.training.pace import Pace
 from kinetix.training.ppo.update import GRADIENT
+from kinetix.training.progress_text import Say
 from kinetix.training.resume import StoredProgress, forget_older, write_state
 from kinetix.training.stopping import StopRequest
-from kinetix.training.telling import Say
 from kinetix.training.trainer import Trainer
 from kinetix.version import __version__
 

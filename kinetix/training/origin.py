@@ -9,8 +9,8 @@ from kinetix.agents.agent import Agent
 from kinetix.agents.checkpoint import steps_of_run
 from kinetix.errors import KinetixError
 from kinetix.files.regular import read_text
+from kinetix.training.progress_text import Say
 from kinetix.training.settings import CONFIG, START_FROM, toml_value
-from kinetix.training.telling import Say
 
 _STEPS: Final = "environment_steps"
 

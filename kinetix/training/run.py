@@ -16,6 +16,7 @@ from kinetix.files.folders import made_folder
 from kinetix.files.lock import locked_folder
 from kinetix.programs import make_room
 from kinetix.training.config import PpoConfig
+from kinetix.training.config_warnings import cut_short, learns_nothing
 from kinetix.training.curricula.history import Course, History
 from kinetix.training.curricula.replay import Replay
 from kinetix.training.curricula.sfl import Sfl
@@ -27,16 +28,15 @@ from kinetix.training.directory import (
     unreadable_agent,
 )
 from kinetix.training.imitation.clone import Clone
-from kinetix.training.in_vain import cut_short, learns_nothing
 from kinetix.training.logging import Sink, keep_damaged_rows, open_sinks
 from kinetix.training.loop import Report, Training, checkpoint_of, loop, save
 from kinetix.training.origin import check_origin, dumps_origin, origin_of, read_origin
 from kinetix.training.ppo.rollout import as_updates_leave_it
+from kinetix.training.progress_text import Say, now_and_then, say_nothing
 from kinetix.training.resume import StoredProgress, put_aside, read_newest, recover
 from kinetix.training.settings import CONFIG, dumps_config
 from kinetix.training.setup import Setup
 from kinetix.training.stopping import stop_requests
-from kinetix.training.telling import Say, now_and_then, say_nothing
 from kinetix.training.trainer import Trainer, make_trainer
 from kinetix.training.wandb import check_package
 

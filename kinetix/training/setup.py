@@ -20,8 +20,8 @@ from kinetix.agents.card import (
     NormalisationCard,
     ObservationCard,
 )
+from kinetix.agents.from_card import init_parameters, network_of_card, observations_of_card
 from kinetix.agents.normalisation import Normalisation, from_card, normalise, start, update
-from kinetix.agents.shapes import init_parameters, network_of_card, observations_of_card
 from kinetix.engine.spec import Features
 from kinetix.environment.env import DummyEnv, KinetixEnv, ResetFunction, make_kinetix_env
 from kinetix.environment.generators.filters import sample_filtered_levels

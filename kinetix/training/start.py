@@ -10,9 +10,9 @@ from kinetix.errors import KinetixError
 from kinetix.training.config import PpoConfig, algorithm_of
 from kinetix.training.loop import Report
 from kinetix.training.origin import still_needed
+from kinetix.training.progress_text import say_nothing
 from kinetix.training.run import train as run_training
 from kinetix.training.settings import CONFIG, make_config, settings_of
-from kinetix.training.telling import say_nothing
 
 
 def train(

@@ -7,7 +7,7 @@ from typing import Any, Final
 
 import jax
 
-from kinetix.training.telling import Say, say_nothing
+from kinetix.training.progress_text import Say, say_nothing
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)

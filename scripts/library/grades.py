@@ -11,7 +11,7 @@ from kinetix.level.model import Level
 MEASURED: Final = Path(__file__).with_name("difficulty.json")
 """Measurements of `scripts.difficulty`."""
 PLAYED: Final = Path(__file__).with_name("played.json")
-"""Measurements of `scripts.played`."""
+"""Measurements of `scripts.player_win_rates`."""
 STEPS: Final = (4, 16, 64, 512)
 """Plans that levels of the difficulties 1 to 4 need at most; more is 5."""
 TAG: Final = "difficulty-"

@@ -14,8 +14,8 @@ from kinetix.agents.card import (
     NormalisationCard,
     ObservationCard,
 )
+from kinetix.agents.from_card import init_parameters
 from kinetix.agents.networks.config import NetworkConfig
-from kinetix.agents.shapes import init_parameters
 from kinetix.errors import KinetixError
 from scripts.average_agents import averaged
 

@@ -15,9 +15,9 @@ from safetensors.numpy import load_file, save_file
 from kinetix.agents.agent import Agent, load_agent, save_agent
 from kinetix.agents.arrays import flatten
 from kinetix.agents.card import AgentCard, CapacityCard, ObservationCard
+from kinetix.agents.from_card import init_parameters
 from kinetix.agents.networks.config import NetworkConfig
 from kinetix.agents.normalisation import start, to_card, update
-from kinetix.agents.shapes import init_parameters
 from kinetix.errors import CheckpointError
 from tests.agents.observations import random_entities
 from tests.agents.tiny import NETWORK

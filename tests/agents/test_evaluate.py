@@ -17,10 +17,10 @@ from kinetix.agents.card import (
     ObservationCard,
 )
 from kinetix.agents.evaluate import NamedLevel, Settings, evaluate, record
+from kinetix.agents.from_card import init_parameters
 from kinetix.agents.networks.config import NetworkConfig
 from kinetix.agents.results import summarise
 from kinetix.agents.scripted import ScriptedPlayer
-from kinetix.agents.shapes import init_parameters
 from kinetix.cli import main
 from kinetix.level.codec import save_level
 from kinetix.level.model import Body, Circle, Joint, Level, Motor, Polygon

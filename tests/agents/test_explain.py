@@ -17,8 +17,8 @@ from kinetix.agents.card import (
 )
 from kinetix.agents.environments import environment_for
 from kinetix.agents.explain import MOVED, Situation, attention, saliency, values_over_places
+from kinetix.agents.from_card import init_parameters
 from kinetix.agents.networks.config import NetworkConfig
-from kinetix.agents.shapes import init_parameters
 from kinetix.environment.reset import level_state
 from kinetix.level.sizes import SIZES
 

@@ -8,9 +8,9 @@ import pytest
 from kinetix.agents.agent import Agent
 from kinetix.agents.card import AgentCard, CapacityCard, ObservationCard
 from kinetix.agents.environments import capacity_for, environment_for
+from kinetix.agents.from_card import init_parameters
 from kinetix.agents.live import intention, play_step
 from kinetix.agents.networks.config import NetworkConfig
-from kinetix.agents.shapes import init_parameters
 from kinetix.engine.spec import Capacity
 from kinetix.environment.actions import ACTIONS
 from kinetix.environment.reset import level_state

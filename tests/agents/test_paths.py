@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from kinetix.agents.evaluate import Settings, evaluate
-from kinetix.agents.paths import Paths, attempt_paths, endings, parting
 from kinetix.agents.results import EpisodeResult
 from kinetix.agents.scripted import ScriptedPlayer
+from kinetix.agents.trajectories import Paths, attempt_paths, endings, parting
 from tests.agents.test_evaluate import _FAST, LEVELS
 
 
@@ -55,7 +55,7 @@ def test_the_last_place_is_that_in_which_the_attempt_ends(monkeypatch):
         "go_on": lambda env, player, now, steps, settings: at(now.step + steps),
         "episode_results": lambda episodes: [None, None],
     }.items():
-        monkeypatch.setattr(f"kinetix.agents.paths.{name}", value)
+        monkeypatch.setattr(f"kinetix.agents.trajectories.{name}", value)
     monkeypatch.setattr(jax.tree, "map", lambda function, tree: tree)
     *_, found = attempt_paths(ScriptedPlayer("noop"), LEVELS[0], Settings(attempts=2))
     assert found.step.tolist() == [0, 2, 4, 6, 8, 10, 12]

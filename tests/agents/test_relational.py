@@ -10,6 +10,7 @@ import pytest
 from kinetix import load_agent, load_level, save_agent
 from kinetix.agents.agent import Agent
 from kinetix.agents.card import ActionCard, AgentCard, ObservationCard
+from kinetix.agents.from_card import init_parameters, observations_of_card
 from kinetix.agents.networks.build import build_network
 from kinetix.agents.networks.config import NetworkConfig
 from kinetix.agents.networks.distributions import action_head
@@ -29,7 +30,6 @@ from kinetix.agents.networks.relational import (
     _THRUSTER_WITHOUT_KEYS,
     _WEIGHTS,
 )
-from kinetix.agents.shapes import init_parameters, observations_of_card
 from kinetix.environment.actions import ACTIONS
 from kinetix.environment.observations import EntityObservations, Layout
 from kinetix.environment.params import EnvParams, StaticEnvParams, static_env_params_from_size

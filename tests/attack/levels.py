@@ -10,7 +10,7 @@ import jsonschema
 from kinetix.errors import LevelError
 from kinetix.level.codec import dumps, level_hash, load_document, load_level, loads
 from kinetix.level.json_schema import level_schema
-from kinetix.level.kinetix_env_export import from_level
+from kinetix.level.kinetix_env.export import from_level
 from kinetix.level.model import Level
 from kinetix.level.sets import build_set, dumps_set, gather_levels, is_set_file, load_set
 from kinetix.level.sizes import capacity_of

@@ -109,7 +109,7 @@ def write_trace(folder: Path, number: int) -> None:
     import numpy as np
 
     from editor.play.trace_files import write_trace
-    from editor.worker.recording import Snapshot, Trace
+    from editor.worker.snapshots import Snapshot, Trace
 
     level = _level(number)
     bodies = len(level.bodies)

@@ -10,9 +10,9 @@ import pytest
 from kinetix import cli
 from kinetix.bench import accuracy, references
 from kinetix.bench.accuracy import AccuracySettings, measure_accuracy, metrics_of, row_of
-from kinetix.bench.metrics import JUDGES, Metric
-from kinetix.bench.metrics.base import each, normalised_error
-from kinetix.bench.metrics.built import DOMINO_SPEED
+from kinetix.bench.judges import JUDGES, Metric
+from kinetix.bench.judges.base import each, normalised_error
+from kinetix.bench.judges.built import DOMINO_SPEED
 from kinetix.bench.motion import Motion
 from kinetix.bench.probes import PROBES
 from kinetix.bench.report import class_errors, markdown_table, scene_text, verdict_counts

@@ -21,7 +21,7 @@ SOLUTION = Solution(physics="balanced", frame_skip=2, actions=((3, (1, 0, 0, 0, 
 def search(monkeypatch):
     """Replaces the search: every level whose time limit is even is won."""
     seen = types.SimpleNamespace(environments=[], levels=[])
-    module = types.ModuleType("kinetix.environment.search")
+    module = types.ModuleType("kinetix.environment.search.search")
 
     def solving_env(levels, *, physics):
         seen.environments.append((len(levels), physics))
@@ -36,7 +36,7 @@ def search(monkeypatch):
         return None if level.max_timesteps % 2 else SOLUTION
 
     module.solving_env, module.solve_level = solving_env, solve_level
-    monkeypatch.setitem(sys.modules, "kinetix.environment.search", module)
+    monkeypatch.setitem(sys.modules, "kinetix.environment.search.search", module)
     replay = types.ModuleType("kinetix.environment.replay")
     replay.replay_solution = lambda level: "won" if level.solution == SOLUTION else "lost"
     monkeypatch.setitem(sys.modules, "kinetix.environment.replay", replay)
@@ -193,7 +193,7 @@ def test_a_folder_of_which_nothing_can_be_read_is_an_error(search, tmp_path, cap
 @pytest.fixture
 def edit(search, monkeypatch):
     """Returns a function that has a level's file edited while the level is searched."""
-    module = sys.modules["kinetix.environment.search"]
+    module = sys.modules["kinetix.environment.search.search"]
     searched = module.solve_level
 
     def during(path, **changes):

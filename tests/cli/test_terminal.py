@@ -5,11 +5,11 @@ import sys
 import time
 import types
 
-from kinetix.cli import terminal as terminals
-from kinetix.cli.measured import watched
-from kinetix.cli.terminal import Terminal, announced, counted
-from kinetix.training import telling
-from kinetix.training.telling import now_and_then
+from kinetix.cli.shared import terminal as terminals
+from kinetix.cli.shared.measured import watched
+from kinetix.cli.shared.terminal import Terminal, announced, counted
+from kinetix.training import progress_text
+from kinetix.training.progress_text import now_and_then
 
 
 def test_on_a_terminal_passing_words_leave_nothing_behind(capsys, monkeypatch):
@@ -48,7 +48,7 @@ def test_what_takes_long_is_counted(capsys, monkeypatch):
 
 def test_each_kind_of_work_is_said_at_once_and_then_now_and_then(monkeypatch):
     clock, said = [100.0], []
-    monkeypatch.setattr(telling.time, "monotonic", lambda: clock[0])
+    monkeypatch.setattr(progress_text.time, "monotonic", lambda: clock[0])
     status = now_and_then(said.append)
     for number in (1, 2, 3, 4, 4, 4, 4, 4):
         status(f"scoring {number}/4")
@@ -69,7 +69,7 @@ def test_what_takes_long_is_announced_and_what_does_not_is_not(capsys):
 
 def test_a_command_goes_on_when_nobody_reads_it_any_more(tmp_path):
     code = (
-        "import sys; from pathlib import Path; from kinetix.cli.terminal import Terminal\n"
+        "import sys; from pathlib import Path; from kinetix.cli.shared.terminal import Terminal\n"
         "terminal = Terminal()\n"
         "sys.stdin.readline()\n"
         "for _ in range(3): terminal.say('x')\n"

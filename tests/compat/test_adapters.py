@@ -174,7 +174,7 @@ def test_fields_of_a_state_have_the_names_of_kinetix_env(state):
 
 @pytest.mark.parametrize("batched", [False, True])
 def test_a_state_is_changed_by_the_names_of_kinetix_env(state, batched):
-    from kinetix.environment.rewrite import NAMES
+    from kinetix.environment.kinetix_env.rewrite import NAMES
 
     if batched:
         state = jax.tree.map(lambda x: jnp.stack([x, x]), state)

@@ -7,7 +7,7 @@ import pytest
 
 from kinetix.engine import Control, SceneSpec, default_parameters, solver_named, step
 from kinetix.level.codec import load_document
-from kinetix.level.kinetix_env_compile import compile_kinetix_env
+from kinetix.level.kinetix_env.compile import compile_kinetix_env
 
 pytestmark = [pytest.mark.peer, pytest.mark.slow]
 

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from jax.experimental import serialize_executable
 
+from kinetix.engine.backend import whole_batches
 from kinetix.engine.batch import worlds_last
 from kinetix.engine.loops import in_parts
-from kinetix.engine.machine import whole_batches
 
 ROUTINE = "xla_cpu_small_call"
 """Attribute by which XLA marks a loop that it compiles as one machine routine."""

@@ -8,7 +8,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from kinetix.engine.in_use import InUse
+from kinetix.engine.active_rows import InUse
 from kinetix.engine.maths import Vec
 from kinetix.engine.solvers.rows import (
     Directions,

@@ -5,10 +5,10 @@ import dataclasses
 import numpy as np
 import pytest
 
-from kinetix.environment.plans import HOLD, random_plans, runs_of
 from kinetix.environment.replay import replay_solution
-from kinetix.environment.search import search_task, solve_level, solving_env
-from kinetix.environment.stretches import BATCH, STRETCH, stretches
+from kinetix.environment.search.beam import BATCH, STRETCH, stretches
+from kinetix.environment.search.plans import HOLD, random_plans, runs_of
+from kinetix.environment.search.search import search_task, solve_level, solving_env
 from kinetix.level.codec import load_level
 from kinetix.level.controls import channels_in_use
 from kinetix.level.model import Body, Circle, Level, Solution, Thruster

@@ -8,7 +8,7 @@ from kinetix.agents.named import load_player
 from kinetix.environment.env import make_kinetix_env
 from kinetix.environment.params import EnvParams, static_env_params_of
 from kinetix.environment.reset import load_from_json_file, make_reset_fn_sample_kinetix_level
-from kinetix.environment.search import solve_level
+from kinetix.environment.search.search import solve_level
 from kinetix.level.codec import load_level
 from kinetix.level.sizes import SIZES
 

@@ -18,8 +18,8 @@ from kinetix.level.codec import dumps, load_document, load_level, loads
 from kinetix.level.compile import compile_level
 from kinetix.level.decompile import level_from_scene
 from kinetix.level.features import features_of, features_union, pushing_pairs
-from kinetix.level.kinetix_env import parse_kinetix_env
-from kinetix.level.kinetix_env_compile import compile_kinetix_env
+from kinetix.level.kinetix_env.compile import compile_kinetix_env
+from kinetix.level.kinetix_env.document import parse_kinetix_env
 from kinetix.level.model import (
     Arena,
     ArenaBody,

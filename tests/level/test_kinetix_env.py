@@ -11,9 +11,9 @@ from hypothesis import HealthCheck, given, settings
 from kinetix.engine.spec import Capacity
 from kinetix.errors import LevelError
 from kinetix.level.codec import dumps, load_document, loads, loads_document, save_level
-from kinetix.level.kinetix_env import STANDARD_GRAVITY, lost_fields, parse_kinetix_env
-from kinetix.level.kinetix_env_export import dump_tree, from_level
-from kinetix.level.kinetix_env_import import to_level
+from kinetix.level.kinetix_env.document import STANDARD_GRAVITY, lost_fields, parse_kinetix_env
+from kinetix.level.kinetix_env.export import dump_tree, from_level
+from kinetix.level.kinetix_env.to_level import to_level
 from kinetix.level.model import Arena, ArenaBody, Level, Solution
 from tests.level.strategies import levels
 from tests.pace import share_of

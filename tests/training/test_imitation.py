@@ -21,7 +21,7 @@ from kinetix.environment.env import make_kinetix_env
 from kinetix.environment.generators.machines import random_machines
 from kinetix.environment.params import EnvParams, static_env_params_of
 from kinetix.environment.reset import static_env_params_for_levels
-from kinetix.environment.search import solve_level
+from kinetix.environment.search.search import solve_level
 from kinetix.errors import KinetixError
 from kinetix.failures import Terminated
 from kinetix.level.codec import load_level, save_level

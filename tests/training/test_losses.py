@@ -13,7 +13,7 @@ from kinetix.agents.networks.config import NetworkConfig
 from kinetix.agents.networks.distributions import action_head
 from kinetix.agents.networks.heads import HEAD
 from kinetix.agents.networks.recurrent import initial_carry
-from kinetix.engine.machine import whole_batches
+from kinetix.engine.backend import whole_batches
 from kinetix.training.config import PpoConfig, ReplayConfig
 from kinetix.training.ppo import update
 from kinetix.training.ppo.losses import (

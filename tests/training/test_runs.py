@@ -12,13 +12,13 @@ from PIL import Image
 
 from kinetix.agents.agent import Agent, load_agent
 from kinetix.agents.checkpoint import steps_of_run
-from kinetix.agents.shapes import init_parameters
+from kinetix.agents.from_card import init_parameters
 from kinetix.cli import main
 from kinetix.errors import KinetixError
 from kinetix.level.codec import load_level, save_level
 from kinetix.level.model import Body, Circle, Level
+from kinetix.training.config_warnings import cut_short
 from kinetix.training.curricula.pages import page_updates, read_page
-from kinetix.training.in_vain import cut_short
 from kinetix.training.logging import read_metrics
 from kinetix.training.origin import read_origin
 from kinetix.training.run import train

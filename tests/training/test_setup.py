@@ -24,9 +24,9 @@ from kinetix.level.codec import load_document, save_level
 from kinetix.level.sets import SetLevel
 from kinetix.level.sizes import SIZES
 from kinetix.training.config import BcConfig, PpoConfig, ReplayConfig, SflConfig
+from kinetix.training.config_warnings import learns_nothing
 from kinetix.training.evaluation import TrainingEvaluation, evaluation_levels
 from kinetix.training.imitation.starts import Starts
-from kinetix.training.in_vain import learns_nothing
 from kinetix.training.settings import make_config, settings_of
 from kinetix.training.setup import make_setup
 from kinetix.training.start import train

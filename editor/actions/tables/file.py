@@ -2,7 +2,16 @@
 
 from typing import Final
 
-from editor.actions import address, comparison, export, file, leave, outside, recording, recover
+from editor.actions import (
+    address,
+    comparison,
+    export,
+    external_change,
+    file,
+    quitting,
+    recording,
+    recover,
+)
 from editor.actions.base import Action, Context
 
 FILE: Final = (
@@ -67,22 +76,22 @@ FILE: Final = (
                 "reload",
                 "Reload",
                 "What the file holds now, as one edit.",
-                outside.is_readable,
-                outside.reload,
+                external_change.is_readable,
+                external_change.reload,
             ),
             (
                 "keep_mine",
                 "Keep Mine",
                 "Saving overwrites the other one.",
-                outside.is_changed,
-                outside.keep,
+                external_change.is_changed,
+                external_change.keep,
             ),
             (
                 "differences",
                 "Differences…",
                 "What differs between the file and the level here.",
-                outside.is_readable,
-                outside.show_differences,
+                external_change.is_readable,
+                external_change.show_differences,
             ),
         )
     ),
@@ -152,6 +161,6 @@ FILE: Final = (
         menu="File",
         group="close",
         keys=("ctrl+q",),
-        run=leave.quit_app,
+        run=quitting.quit_app,
     ),
 )

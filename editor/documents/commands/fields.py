@@ -11,7 +11,7 @@ from typing import Any, Final
 import msgspec
 
 from editor.base.arithmetic import Change
-from editor.base.memory import remembers
+from editor.base.memoise import remembers
 from editor.documents.commands.base import EntityId, Selection, count_label
 from editor.documents.commands.rigid import freed, reanchored_each, with_parts
 from kinetix.errors import CommandError

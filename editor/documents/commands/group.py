@@ -16,7 +16,6 @@ from editor.documents.commands.rigid import (
     with_parts,
 )
 from kinetix.errors import CommandError
-from kinetix.level.extremes import FARTHEST
 from kinetix.level.geometry import (
     bounds,
     centre_of_mass,
@@ -25,6 +24,7 @@ from kinetix.level.geometry import (
     rotate,
     signed_area,
 )
+from kinetix.level.limits import FARTHEST
 from kinetix.level.mirror import BOTH, Axis, End, mirrored_body, mirrored_joint, mirrored_thruster
 from kinetix.level.model import (
     Body,

@@ -4,8 +4,8 @@ import dataclasses
 from collections.abc import Hashable
 
 from kinetix.errors import CommandError
-from kinetix.level.extremes import STRONGEST_THRUSTER
 from kinetix.level.geometry import body_mass, to_local
+from kinetix.level.limits import STRONGEST_THRUSTER
 from kinetix.level.model import THRUSTER_BINDINGS, Body, InertiaModel, Level, Point, Thruster
 
 HOVERS = 2.0

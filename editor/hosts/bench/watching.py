@@ -24,7 +24,7 @@ import sys
 import jax
 from kinetix.agents.agent import Agent, save_agent
 from kinetix.agents.card import AgentCard
-from kinetix.agents.shapes import init_parameters
+from kinetix.agents.from_card import init_parameters
 card = AgentCard(name="as large as the published ones")
 save_agent(Agent(card, init_parameters(card, jax.random.key(0))), sys.argv[1])
 """

@@ -8,7 +8,7 @@ from imgui_bundle import imgui
 
 from editor.actions import comparison, measure
 from editor.actions.save_table import ask_save
-from editor.agents.ways import Ways
+from editor.agents.attempt_paths import Ways
 from editor.base.language import tr
 from editor.base.prompts import FileQuestion
 from editor.toolkit import widgets

@@ -8,7 +8,7 @@ from imgui_bundle import imgui
 from editor import actions
 from editor.base.controls import key_caps
 from editor.base.language import tr
-from editor.base.memory import remembers
+from editor.base.memoise import remembers
 from editor.base.wording import ARENA_LABELS
 from editor.documents.commands.base import EntityId
 from editor.toolkit import widgets

@@ -13,7 +13,7 @@ from editor.toolkit import widgets
 from editor.toolkit.appearance import COLOURS, Icons
 from editor.toolkit.widgets import px
 from editor.window.panels.base import Panel
-from editor.worker.recording import ENGINE_STEPS_PER_SECOND, Snapshot
+from editor.worker.snapshots import ENGINE_STEPS_PER_SECOND, Snapshot
 from kinetix.level.controls import channels_in_use
 
 if TYPE_CHECKING:

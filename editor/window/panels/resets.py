@@ -4,7 +4,7 @@ import contextlib
 from collections.abc import Hashable, Iterator, Sequence
 from typing import TYPE_CHECKING, Any, Final
 
-from editor.base.memory import remembers
+from editor.base.memoise import remembers
 from editor.documents.commands.base import EntityId, Selection
 from editor.documents.commands.fields import alike, read_field, selected_records
 from kinetix.errors import CommandError

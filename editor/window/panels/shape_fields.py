@@ -24,8 +24,8 @@ from editor.toolkit import widgets
 from editor.window.panels.fields import Editor
 from editor.window.panels.number_field import NumberField
 from editor.window.panels.number_info import FieldInfo
-from kinetix.level.extremes import FARTHEST
 from kinetix.level.geometry import body_mass, referenced_body, to_world, world_vertices
+from kinetix.level.limits import FARTHEST
 from kinetix.level.model import ARENA_NAMES, Body, BodyReference, Circle, Joint, Polygon
 
 if TYPE_CHECKING:

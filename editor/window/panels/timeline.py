@@ -15,7 +15,7 @@ from editor.toolkit.modes import OUTCOME_LOOK
 from editor.toolkit.widgets import px
 from editor.window.hints import key_of
 from editor.window.panels.base import Panel
-from editor.worker.recording import ENGINE_STEPS_PER_SECOND, Snapshot
+from editor.worker.snapshots import ENGINE_STEPS_PER_SECOND, Snapshot
 from kinetix.level.controls import channels_in_use
 
 if TYPE_CHECKING:

@@ -22,7 +22,7 @@ class TracePaths:
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Ending:
-    """Attempts that end alike; the fields of `kinetix.agents.paths.Ending`."""
+    """Attempts that end alike; the fields of `kinetix.agents.trajectories.Ending`."""
 
     outcome: Outcome
     attempts: tuple[int, ...]

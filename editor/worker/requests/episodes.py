@@ -2,8 +2,8 @@
 
 import dataclasses
 
-from editor.worker.recording import Snapshot, Trace
 from editor.worker.requests.agents import Casting, EvaluatedLevel
+from editor.worker.snapshots import Snapshot, Trace
 from kinetix.level.model import Level
 
 

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import UInt8
 
-from editor.worker.recording import Trace
+from editor.worker.snapshots import Trace
 from kinetix.engine.names import DEFAULT_PHYSICS
 from kinetix.level.model import Level
 

@@ -13,10 +13,10 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array
 
-from editor.worker.recording import ENGINE_STEPS_PER_SECOND, Action, Futures, Mind
 from editor.worker.requests import BUILT_IN, AgentRef, AgentSummary, Casting, Progress, Rehearse
 from editor.worker.simulation.compiling import FULL, QUICK, Recipe
 from editor.worker.simulation.stepping import PROGRAMS, first_state
+from editor.worker.snapshots import ENGINE_STEPS_PER_SECOND, Action, Futures, Mind
 from kinetix.agents.card import AgentCard
 from kinetix.agents.checkpoint import newest_checkpoint
 from kinetix.agents.environments import capacity_for, environment_for

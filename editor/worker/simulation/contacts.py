@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from editor.documents.commands.bodies import posed
-from editor.worker.recording import ContactPoint, Snapshot
+from editor.worker.snapshots import ContactPoint, Snapshot
 from kinetix.engine.pairs import candidate_pairs
 from kinetix.engine.spec import Capacity
 from kinetix.level.geometry import (

@@ -20,7 +20,7 @@ from jax.experimental import serialize_executable
 
 from kinetix.files.caches import cache_folder
 from kinetix.files.kept import read_kept, write_kept
-from kinetix.sources import digest
+from kinetix.source_digest import digest
 
 _SUFFIX: Final = ".step"
 

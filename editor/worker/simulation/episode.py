@@ -9,7 +9,6 @@ import jax.numpy as jnp
 import numpy as np
 
 from editor.base.controls import NOOP
-from editor.worker.recording import FRAME_SKIP, Action, Mind, Snapshot, Trace
 from editor.worker.requests import (
     Advance,
     Opened,
@@ -29,6 +28,7 @@ from editor.worker.simulation.stepping import (
     generic_stepper,
     own_stepper,
 )
+from editor.worker.snapshots import FRAME_SKIP, Action, Mind, Snapshot, Trace
 from kinetix.environment.outcome import outcome_of
 from kinetix.environment.state import EnvState
 from kinetix.errors import KinetixError

@@ -3,7 +3,6 @@
 import dataclasses
 from typing import Any
 
-from editor.worker.recording import Mind, Snapshot, Trace, channels_of
 from editor.worker.requests import (
     BUILT_IN,
     AttemptPaths,
@@ -18,6 +17,7 @@ from editor.worker.requests import (
 )
 from editor.worker.simulation.cast import Step, mind_of, player_of
 from editor.worker.simulation.level_view import LevelView
+from editor.worker.snapshots import Mind, Snapshot, Trace, channels_of
 from kinetix.agents.environments import capacity_for, environment_for
 from kinetix.agents.evaluate import (
     NamedLevel,
@@ -28,9 +28,9 @@ from kinetix.agents.evaluate import (
     record,
 )
 from kinetix.agents.identity import digest_of
-from kinetix.agents.paths import attempt_paths, endings, parting
 from kinetix.agents.player import Player
 from kinetix.agents.results import LevelFailure
+from kinetix.agents.trajectories import attempt_paths, endings, parting
 from kinetix.engine.spec import Capacity
 from kinetix.environment.env import KinetixEnv
 from kinetix.environment.state import document_slots

@@ -6,7 +6,6 @@ from typing import Any
 import numpy as np
 
 from editor.base.controls import NOOP
-from editor.worker.recording import Mind, Snapshot
 from editor.worker.simulation.cast import Step
 from editor.worker.simulation.contacts import (
     contact_points,
@@ -14,6 +13,7 @@ from editor.worker.simulation.contacts import (
     pushing_pairs,
     touching_bodies,
 )
+from editor.worker.snapshots import Mind, Snapshot
 from kinetix.engine.spec import Capacity
 from kinetix.environment.goal import BLUE, GREEN
 from kinetix.environment.outcome import Outcome

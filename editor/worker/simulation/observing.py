@@ -11,7 +11,7 @@ from editor.worker.requests import AgentView, Observe, ViewTable
 from editor.worker.simulation.cast import player_of
 from editor.worker.simulation.stepping import without_memory
 from kinetix.agents.environments import capacity_for, environment_for
-from kinetix.agents.shapes import observations_of_card
+from kinetix.agents.from_card import observations_of_card
 from kinetix.engine.spec import ARENA_BODIES, Capacity
 from kinetix.environment.env import KinetixEnv, make_kinetix_env
 from kinetix.environment.observations import AbstractObservation

@@ -15,9 +15,9 @@ from jaxtyping import Array, UInt8
 from PIL import Image as Picture
 
 from editor.documents.commands.bodies import posed
-from editor.worker.recording import ENGINE_STEPS_PER_SECOND, Snapshot, Trace
 from editor.worker.requests import ExportFilm, ExportPicture, Image, Progress, RenderState
 from editor.worker.simulation.stepping import start_state, without_memory
+from editor.worker.snapshots import ENGINE_STEPS_PER_SECOND, Snapshot, Trace
 from editor.worker.trace_pages import film_of_trace
 from kinetix.engine.names import DEFAULT_PHYSICS
 from kinetix.environment.state import EnvState

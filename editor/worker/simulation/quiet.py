@@ -6,7 +6,7 @@ from typing import Final
 
 import jax
 
-from kinetix.meanwhile import Meanwhile
+from kinetix.shared_setting import Meanwhile
 
 _CACHED: Final = "jax_persistent_cache_min_compile_time_secs"
 """Programs that took longer to compile than this are written to the cache on disk."""

@@ -5,7 +5,7 @@ from collections.abc import Iterator, Sequence
 from typing import Any, Final
 
 from kinetix.bench.accuracy import row_of
-from kinetix.bench.metrics import JUDGES, Metric
+from kinetix.bench.judges import JUDGES, Metric
 from kinetix.bench.peers.exchange import motion_of, scene_of
 from kinetix.bench.peers.launch import Answer, Peer, ask
 from kinetix.scenes import SuiteScene, scenes_named

@@ -24,7 +24,7 @@ from kinetix.engine import constants
 from kinetix.engine.batch.program import shaped
 from kinetix.files.caches import CACHES, bound, cache_folder
 from kinetix.files.kept import read_kept, write_kept
-from kinetix.sources import digest
+from kinetix.source_digest import digest
 
 _PLATFORM: Final = "cpu"
 _CACHE: Final = "lowered"

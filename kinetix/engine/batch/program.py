@@ -9,7 +9,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Int
 
-from kinetix.engine.machine import whole_batches
+from kinetix.engine.backend import whole_batches
 
 Tree = Any
 

@@ -12,13 +12,13 @@ from jax.extend.core import Primitive
 from jax.interpreters import ad, batching, mlir
 from jaxtyping import Array, Int, Shaped
 
+from kinetix.engine.backend import takes_whole_batches
 from kinetix.engine.batch.described import NotOurs, described
 from kinetix.engine.batch.lowered import from_disk
 from kinetix.engine.batch.program import BatchProgram, count
 from kinetix.engine.batch.tiles import TILE, by_tiles
-from kinetix.engine.garbage import uncollected
+from kinetix.engine.gc_pause import uncollected
 from kinetix.engine.loops import in_parts
-from kinetix.engine.machine import takes_whole_batches
 from kinetix.engine.promotion import usual_promotion
 from kinetix.errors import KinetixError
 

@@ -22,11 +22,11 @@ import numpy as np
 from jaxtyping import Array, Bool, Int
 
 from kinetix.engine import constants
+from kinetix.engine.active_rows import InUse
 from kinetix.engine.collision import circle_circle, circle_polygon, polygon_polygon
 from kinetix.engine.collision.compact import compact
 from kinetix.engine.collision.points import Approach, Found, PointList, Slots, Spot
 from kinetix.engine.collision.scene import MovingShapes, Pairs, Rules
-from kinetix.engine.in_use import InUse
 from kinetix.engine.lookup import row, take
 from kinetix.engine.pairs import candidate_pairs, pair_counts, pushing_candidates
 from kinetix.engine.shapes import rows

@@ -5,7 +5,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from kinetix.engine.native.model import CannotTranslate, Node
+from kinetix.engine.native.ir import CannotTranslate, Node
 
 Rule = Callable[[Node, Sequence[str]], str]
 

@@ -8,8 +8,8 @@ import jax
 
 from kinetix.engine.native.cuda import PRELUDE
 from kinetix.engine.native.elementwise import c_type
-from kinetix.engine.native.model import Block, CannotTranslate
-from kinetix.engine.native.program import program
+from kinetix.engine.native.from_jaxpr import program
+from kinetix.engine.native.ir import Block, CannotTranslate
 from kinetix.engine.native.writer import BodyText, written
 
 THREADS: Final = 32

@@ -13,10 +13,10 @@ import numpy as np
 from jax.interpreters import mlir
 from jaxtyping import Array
 
-from kinetix.engine.garbage import uncollected
+from kinetix.engine.gc_pause import uncollected
 from kinetix.engine.native.cuda import CannotCompile, architecture, compiled
+from kinetix.engine.native.ir import CannotTranslate
 from kinetix.engine.native.kernel import FEW_WORLDS, THREADS, kernel_text
-from kinetix.engine.native.model import CannotTranslate
 from kinetix.engine.promotion import usual_promotion
 
 MOST_BLOCKS: Final = 8192

@@ -6,9 +6,9 @@ from typing import Final
 import numpy as np
 
 from kinetix.engine.native.elementwise import literal
-from kinetix.engine.native.index import Index, Number
-from kinetix.engine.native.model import Node, Value
-from kinetix.engine.native.reading import Read
+from kinetix.engine.native.flat_index import Index, Number
+from kinetix.engine.native.indexing import Read
+from kinetix.engine.native.ir import Node, Value
 
 UNIFORM_SIZE: Final = 4
 """Most entries of an array that every lane has for itself."""

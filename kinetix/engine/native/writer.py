@@ -6,13 +6,13 @@ What a lane does for all (`UNIFORM`) stands as it is; entries of arrays are done
 
 import dataclasses
 
-from kinetix.engine.native.blocks import BlockWriter
+from kinetix.engine.native.allocation import placed, prolonged
+from kinetix.engine.native.buffers import Buffer, Outside, Target
 from kinetix.engine.native.elementwise import c_type
-from kinetix.engine.native.forms import Form
-from kinetix.engine.native.memory import placed, prolonged
-from kinetix.engine.native.model import Block, Value
-from kinetix.engine.native.pen import Pen
-from kinetix.engine.native.places import Buffer, Outside, Target
+from kinetix.engine.native.emitter import Pen
+from kinetix.engine.native.ir import Block, Value
+from kinetix.engine.native.schedule import BlockWriter
+from kinetix.engine.native.storage import Form
 
 
 @dataclasses.dataclass(frozen=True)

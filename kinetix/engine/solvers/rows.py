@@ -16,7 +16,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Float, Int, Shaped
 
-from kinetix.engine.in_use import InUse
+from kinetix.engine.active_rows import InUse
 from kinetix.engine.lookup import accumulate, column, put, row, take
 from kinetix.engine.maths import Vec, cross, dot
 from kinetix.engine.store import Store

@@ -10,7 +10,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 
-from kinetix.engine.collide_jax2d import REFERENCE_BIAS
+from kinetix.engine.collision.jax2d import REFERENCE_BIAS
 from kinetix.environment.generators.figures import Figures, bounds, rotate
 from kinetix.pytree import pytree
 

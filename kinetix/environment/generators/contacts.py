@@ -8,7 +8,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Int
 
-from kinetix.engine.collide_jax2d import (
+from kinetix.engine.collision.jax2d import (
     Shapes,
     circle_circle,
     circle_polygon,

@@ -23,7 +23,7 @@ from kinetix.environment.generators.figures import VERTICES, Figures, inertia, m
 from kinetix.environment.params import PhysicsEngine
 from kinetix.environment.state import NO_DISTANCE, EnvState, state_of
 from kinetix.level.compile import Labels, compile_level
-from kinetix.level.extremes import FARTHEST
+from kinetix.level.limits import FARTHEST
 from kinetix.level.model import InertiaModel, Level
 from kinetix.pytree import pytree
 

@@ -13,6 +13,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int, Key, UInt
 
+from kinetix.aliases import also_named
 from kinetix.engine.spec import ARENA_BODIES, Capacity
 from kinetix.environment.generators.blocks import (
     Proposals,
@@ -55,7 +56,6 @@ from kinetix.environment.goal import BLUE, GREEN, NEUTRAL
 from kinetix.environment.params import EnvParams, PhysicsEngine, StaticEnvParams
 from kinetix.environment.state import EnvState
 from kinetix.pytree import pytree
-from kinetix.renamed import also_named
 
 SMALL_BODIES = 7
 """Capacities with at most this many bodies, the arena included, are drawn without proposals."""

@@ -4,8 +4,8 @@ import dataclasses
 
 from kinetix.errors import LevelError
 from kinetix.level.codec import load_document
-from kinetix.level.kinetix_env import KinetixEnvDocument
-from kinetix.level.kinetix_env_places import peer_path, peer_places
+from kinetix.level.kinetix_env.document import KinetixEnvDocument
+from kinetix.level.kinetix_env.json_paths import peer_path, peer_places
 from kinetix.level.model import Level
 from kinetix.level.sets.manifest import SetLevel
 from kinetix.level.validate import Issue, validate

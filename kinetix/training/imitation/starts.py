@@ -11,7 +11,7 @@ from jaxtyping import Array, Float
 
 from kinetix.environment.env import KinetixEnv, ResetFunction
 from kinetix.environment.reset import level_state
-from kinetix.environment.search import solve_level, solving_env
+from kinetix.environment.search.search import solve_level, solving_env
 from kinetix.environment.state import EnvState
 from kinetix.errors import KinetixError
 from kinetix.level.model import Level

@@ -40,7 +40,7 @@ from kinetix.training.imitation.teacher import (
     wins_again,
 )
 from kinetix.training.imitation.turns import KEPT, SearchBlock, search
-from kinetix.training.telling import Say, say_nothing
+from kinetix.training.progress_text import Say, say_nothing
 from kinetix.version import __version__
 from kinetix.wording import misfit, thousands
 

@@ -14,7 +14,7 @@ from kinetix.files.arrays import read_npz
 from kinetix.files.atomic import write_atomically
 from kinetix.files.regular import FileError
 from kinetix.training.imitation.teacher import ELITE, LENGTH, search_round
-from kinetix.training.telling import Say
+from kinetix.training.progress_text import Say
 
 KEPT: Final = "teach.search"
 """File in the data set's folder, while a block is searched: all that the next turn needs."""

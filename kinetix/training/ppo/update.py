@@ -13,7 +13,7 @@ from jaxtyping import Array, Float, Int
 
 from kinetix.agents.networks.critics import for_the_critic_alone
 from kinetix.agents.networks.recurrent import Carry
-from kinetix.engine.machine import takes_whole_batches
+from kinetix.engine.backend import takes_whole_batches
 from kinetix.pytree import pytree
 from kinetix.training.config import PpoConfig
 from kinetix.training.devices import (

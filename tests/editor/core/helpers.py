@@ -17,7 +17,7 @@ from editor.base.events import (
 )
 from editor.base.settings import Settings
 from editor.session import Session
-from editor.worker.recording import Snapshot
+from editor.worker.snapshots import Snapshot
 from kinetix.errors import KinetixError
 from kinetix.level.geometry import referenced_body, to_world
 from kinetix.level.model import Body, Circle, Joint, Level, Motor, Polygon, Thruster

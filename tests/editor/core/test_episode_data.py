@@ -10,8 +10,8 @@ from editor.actions import datasets, run
 from editor.base.prompts import FileQuestion
 from editor.documents.commands.level import ReplaceLevel
 from editor.play.mode import Mode
-from editor.worker.recording import Trace
 from editor.worker.requests import AddEpisode, Advance, StartEpisode
+from editor.worker.snapshots import Trace
 from kinetix.datasets.episode import solution_episode
 from kinetix.datasets.folder import read_dataset
 from kinetix.errors import CommandError, KinetixError
@@ -67,7 +67,7 @@ def test_only_data_sets_and_empty_folders_will_do(tmp_path):
 @pytest.mark.slow(seconds=40)
 def test_a_played_episode_becomes_data_once(tmp_path):
     from editor.worker import simulation
-    from editor.worker.recording import channels_of
+    from editor.worker.snapshots import channels_of
 
     def perform(request):
         return simulation.perform(request, Unheard())

@@ -13,8 +13,8 @@ from editor.documents.commands.group import Move, Remove
 from editor.play.mode import Mode
 from editor.play.trace_files import write_trace
 from editor.worker.jobs import Job, JobState
-from editor.worker.recording import Snapshot, Trace
 from editor.worker.requests import ExportFilm
+from editor.worker.snapshots import Snapshot, Trace
 from kinetix.errors import LevelError
 from kinetix.level.codec import load_document, save_level
 from tests.editor.core.helpers import a_level, a_session, texts

@@ -7,7 +7,7 @@ import os
 import pytest
 
 from editor import actions
-from editor.actions import file, folders, outside
+from editor.actions import external_change, file, folders
 from editor.base.controls import Drive
 from editor.base.settings import RECENTS_MAX, Settings, SettingsKeeper
 from editor.documents import files, recovery
@@ -284,7 +284,7 @@ def test_a_file_that_cannot_be_read_any_more_is_told(path):
     for action in ("reload", "differences"):
         assert not actions.run(session, f"file.{action}")
     with pytest.raises(CommandError, match=f"^{path.name}: {plain}"):
-        outside.take(session, session.document)
+        external_change.take(session, session.document)
     assert session.document.level.body(3) == a_level().body(3)
     session.execute(MOVE)
     actions.run(session, "file.save")

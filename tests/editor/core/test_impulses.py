@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from editor.play.impulses import received_impulses
-from editor.worker.recording import Snapshot
+from editor.worker.snapshots import Snapshot
 from kinetix.level.geometry import body_mass
 from kinetix.level.model import Body, Circle, Level, Thruster
 

@@ -11,8 +11,8 @@ import pytest
 from editor.play.mode import Mode
 from editor.play.playback import Playback
 from editor.worker.jobs import JobState, Worker, WorkerSimulator
-from editor.worker.recording import Snapshot
 from editor.worker.requests import Advance, Cancelled, RandomLevel, Restore, StartEpisode
+from editor.worker.snapshots import Snapshot
 from kinetix.errors import KinetixError
 from tests.editor.core.helpers import a_level
 

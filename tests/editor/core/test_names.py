@@ -18,7 +18,7 @@ from editor.documents.document import Document
 from editor.documents.old_names import OldNames
 from editor.play.trace_files import read_trace, write_trace
 from editor.session import Session
-from editor.worker.recording import Trace
+from editor.worker.snapshots import Trace
 from kinetix.level.codec import load_level, save_level
 from kinetix.level.validate import validate
 from tests.editor.core.helpers import FakeSimulator, a_level, a_session

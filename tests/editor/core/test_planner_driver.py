@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from editor.worker.recording import Snapshot
 from editor.worker.requests import Advance, AgentRef, Casting, Restore, StartEpisode
+from editor.worker.snapshots import Snapshot
 from kinetix.level.codec import load_level
 
 

@@ -6,7 +6,7 @@ import pytest
 
 from editor.play.mode import Mode
 from editor.play.playback import SPEEDS, Playback
-from editor.worker.recording import FRAME_SKIP, RING_STATES
+from editor.worker.snapshots import FRAME_SKIP, RING_STATES
 from kinetix.errors import KinetixError
 from tests.editor.core.helpers import FakeSimulator, a_level
 

@@ -10,7 +10,6 @@ import pytest
 from PIL import Image as Picture
 
 from editor.documents.commands.bodies import posed
-from editor.worker.recording import Trace
 from editor.worker.requests import (
     MUTATIONS,
     Advance,
@@ -25,6 +24,7 @@ from editor.worker.requests import (
     Restore,
     StartEpisode,
 )
+from editor.worker.snapshots import Trace
 from kinetix.errors import KinetixError
 from kinetix.level.codec import load_level
 from kinetix.level.model import (

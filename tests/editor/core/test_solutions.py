@@ -14,8 +14,8 @@ from editor.gallery.results import HUMAN, Trial
 from editor.play.mode import Mode
 from editor.session import Session
 from editor.worker.jobs import Worker
-from editor.worker.recording import Trace
 from editor.worker.requests import Opened, PlaySolution
+from editor.worker.snapshots import Trace
 from kinetix.level.codec import load_level
 from kinetix.level.model import Level, Solution
 from tests.editor.core.helpers import FakeSimulator, a_level, a_session

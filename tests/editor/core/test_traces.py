@@ -11,7 +11,7 @@ from editor.base.events import DropEvent
 from editor.documents.commands.level import ReplaceLevel
 from editor.play.mode import Mode
 from editor.play.trace_files import read_trace, write_trace
-from editor.worker.recording import Mind
+from editor.worker.snapshots import Mind
 from kinetix.errors import KinetixError
 from tests.editor.core.helpers import a_level, a_session
 

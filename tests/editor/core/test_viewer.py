@@ -27,7 +27,6 @@ from editor.play.mode import Mode
 from editor.play.second_player import Follower
 from editor.session import Session
 from editor.worker.jobs import Worker
-from editor.worker.recording import Mind, Trace, channels_of
 from editor.worker.requests import (
     BUILT_IN,
     AgentRef,
@@ -47,6 +46,7 @@ from editor.worker.requests import (
     Standing,
     TracePaths,
 )
+from editor.worker.snapshots import Mind, Trace, channels_of
 from kinetix.agents.results import EpisodeResult, LevelFailure, LevelResult
 from kinetix.errors import CheckpointError, CommandError, KinetixError
 from kinetix.level.codec import level_hash, save_level

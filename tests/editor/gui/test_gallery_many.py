@@ -5,7 +5,7 @@ import time
 
 import pytest
 
-from editor.actions import leave, level_sets
+from editor.actions import level_sets, quitting
 from editor.gallery import filing
 from kinetix.errors import LevelError
 from kinetix.level.codec import dumps
@@ -91,7 +91,7 @@ def test_many_levels_are_exported_beside_the_window(many, mine, held):
     many.frames(4)
     assert session.gallery.exporting == mine / "levels.json" and session.gallery.plan is None
     assert session.toasts[-1].text == f"Exporting {COUNT} levels to {mine / 'levels.json'} …"
-    leave.quit_app(session)
+    quitting.quit_app(session)
     assert "levels.json" in session.prompts[-1].message and not session.quitting
     session.answer(session.prompts[-1], "wait")
     many.frames(4)

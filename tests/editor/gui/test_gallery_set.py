@@ -2,7 +2,7 @@
 
 import pytest
 
-from editor.actions import leave, level_sets
+from editor.actions import level_sets, quitting
 from kinetix.level.codec import save_level
 from kinetix.level.model import Level
 from tests.editor.gui.browsing import settle
@@ -20,7 +20,7 @@ def filled(gallery):
 def test_the_set_is_there_again_after_a_restart(filled, make_gui):
     tray = filled.session.gallery.tray
     tray[next(iter(tray))] = 7.5
-    leave.quit_app(filled.session)
+    quitting.quit_app(filled.session)
     assert filled.session.quitting and not filled.session.prompts
     again = make_gui()
     assert again.session.gallery.tray == tray and len(tray) == 3

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from imgui_bundle import imgui
 
+from editor.agents.attempt_paths import Ways
 from editor.agents.evaluation import Plan
-from editor.agents.ways import Ways
 from editor.base.events import KeyEvent
 from editor.base.settings import Settings
 from editor.session import Session

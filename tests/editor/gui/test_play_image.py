@@ -8,8 +8,8 @@ from editor.play.mode import Mode
 from editor.session import Session
 from editor.window.play_image import PlayImage
 from editor.worker.jobs import Worker
-from editor.worker.recording import Snapshot, Trace
 from editor.worker.requests import Advance, Image, RenderState, StartEpisode
+from editor.worker.snapshots import Snapshot, Trace
 from kinetix.level.model import Body, Circle, Level
 
 LEVEL = Level(name="Ball", bodies=(Body(id=1, shape=Circle(radius=0.3), position=(2.5, 2.5)),))

@@ -16,8 +16,8 @@ from editor.toolkit.appearance import COLOURS
 from editor.window.panels.status import StatusBar
 from editor.window.panels.under_way import Part
 from editor.worker.jobs import Job, Worker
-from editor.worker.recording import Trace
 from editor.worker.requests import ExportFilm, Mutate
+from editor.worker.snapshots import Trace
 from tests.editor.core.helpers import FakeSimulator, a_session
 
 

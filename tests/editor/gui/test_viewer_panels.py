@@ -21,7 +21,6 @@ from editor.window.file_choice import nothing_here
 from editor.window.panels import timeline
 from editor.window.panels.results_table import end_of
 from editor.window.panels.timeline import marks_of
-from editor.worker.recording import Futures, Mind
 from editor.worker.requests import (
     AgentRef,
     AttemptPaths,
@@ -32,6 +31,7 @@ from editor.worker.requests import (
     Score,
     Standing,
 )
+from editor.worker.snapshots import Futures, Mind
 from kinetix.agents.compare import leaderboard
 from kinetix.paths import checkpoints_dir
 from tests.editor.core.helpers import a_level

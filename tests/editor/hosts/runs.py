@@ -8,7 +8,7 @@ import jax
 
 from kinetix.agents.agent import Agent, save_agent
 from kinetix.agents.card import AgentCard, CapacityCard
-from kinetix.agents.shapes import init_parameters
+from kinetix.agents.from_card import init_parameters
 from kinetix.level.codec import load_level
 from kinetix.training.curricula.pages import GoneLevel, ListedLevel, PageHead, write_page
 from tests.agents.tiny import NETWORK

@@ -11,10 +11,10 @@ import jax
 import numpy as np
 import pytest
 
-from kinetix.engine.machine import whole_batches
+from kinetix.engine.backend import whole_batches
 from kinetix.engine.native.cuda import PRELUDE
 from kinetix.engine.native.elementwise import c_type
-from kinetix.engine.native.program import program
+from kinetix.engine.native.from_jaxpr import program
 from kinetix.engine.native.writer import written
 from kinetix.engine.promotion import usual_promotion
 

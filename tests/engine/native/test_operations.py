@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from jax import lax
 
+from kinetix.engine.native.from_jaxpr import program
 from kinetix.engine.native.launch import CannotTranslate
-from kinetix.engine.native.program import program
 from kinetix.engine.native.writer import written
 from tests.engine.native.emulated import Emulated, needs_compiler
 

@@ -12,7 +12,7 @@ from editor.editing import gauges
 from editor.editing.picking import joint_position, thruster_position
 from editor.editing.snapping import snap_angle
 from editor.editing.tools.base import Feedback, Gesture, ToolContext
-from kinetix.level.extremes import (
+from kinetix.level.limits import (
     FASTEST,
     FASTEST_MOTOR,
     FASTEST_SPIN,

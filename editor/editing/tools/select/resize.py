@@ -12,8 +12,8 @@ from editor.editing.picking import selected_bodies
 from editor.editing.snapping import apart_from, measured, snap_point
 from editor.editing.tools.base import Feedback, Gesture, ToolContext
 from editor.editing.tools.circle import RADIUS_MIN
-from kinetix.level.extremes import FARTHEST
 from kinetix.level.geometry import bounds_of, to_local, to_world, world_vertices
+from kinetix.level.limits import FARTHEST
 from kinetix.level.model import Body, Circle, Point, Polygon
 
 _ROUNDING: Final = 1e-5

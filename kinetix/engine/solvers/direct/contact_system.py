@@ -12,8 +12,8 @@ import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 
 from kinetix.engine import constants
+from kinetix.engine.active_rows import InUse
 from kinetix.engine.collision import Found
-from kinetix.engine.in_use import InUse
 from kinetix.engine.joints import next_limit
 from kinetix.engine.lookup import put, row
 from kinetix.engine.maths import Vec, nonzero

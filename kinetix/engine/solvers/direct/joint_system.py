@@ -11,8 +11,8 @@ import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 
 from kinetix.engine import constants
+from kinetix.engine.active_rows import InUse
 from kinetix.engine.actuators import Motors, motor_row, motors
-from kinetix.engine.in_use import InUse
 from kinetix.engine.joints import joint_acts
 from kinetix.engine.maths import Vec, rotate, vec
 from kinetix.engine.solvers.rows import (

@@ -8,7 +8,7 @@ that there are.
 import jax.numpy as jnp
 from jaxtyping import Array, Float, Int
 
-from kinetix.engine.in_use import InUse
+from kinetix.engine.active_rows import InUse
 from kinetix.engine.lookup import put, row, take
 from kinetix.engine.solvers.rows import Rows
 from kinetix.engine.spec import ARENA_BODIES

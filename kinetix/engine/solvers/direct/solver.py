@@ -24,6 +24,7 @@ from kinetix.engine.maths import Vec, vec
 from kinetix.engine.solvers.base import AbstractSolver
 from kinetix.engine.solvers.direct import impacts
 from kinetix.engine.solvers.direct.blocks import AbstractBlock, Cone, Pgs
+from kinetix.engine.solvers.direct.cache import DirectCache, finish, warm_start
 from kinetix.engine.solvers.direct.contact_system import ContactSystem, contact_system, pushed
 from kinetix.engine.solvers.direct.joint_system import (
     Step,
@@ -35,7 +36,6 @@ from kinetix.engine.solvers.direct.joint_system import (
     settle,
 )
 from kinetix.engine.solvers.direct.masses import borne, effective_masses, pivoted
-from kinetix.engine.solvers.direct.memory import DirectCache, finish, warm_start
 from kinetix.engine.solvers.direct.phase import Phase, before_walls
 from kinetix.engine.solvers.room import usual_room
 from kinetix.engine.solvers.rows import Velocity, speeds

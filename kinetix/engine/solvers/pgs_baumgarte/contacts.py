@@ -7,8 +7,8 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
-from kinetix.engine import collide_jax2d
-from kinetix.engine.collide_jax2d import Manifold
+from kinetix.engine.collision import jax2d
+from kinetix.engine.collision.jax2d import Manifold
 from kinetix.engine.maths import Vec, cross, dot, nonzero, spin, vec
 from kinetix.engine.pairs import candidate_pairs, may_push, pair_counts
 from kinetix.engine.solvers.pgs_baumgarte.moving import Impulses, Moving
@@ -47,20 +47,16 @@ class Kinds:
 
     def manifolds(self, world: World, state: State) -> tuple[Manifold, ...]:
         """Return the step-start contacts of every slot, collision modes and activity applied."""
-        shapes = collide_jax2d.move_shapes(world.bodies, state)
+        shapes = jax2d.move_shapes(world.bodies, state)
         centre = vec(state.position[self.polygons :])
         radius = world.bodies.radius
         polygon_pairs, _, mixed, circles = self.slots
-        deeper, other = collide_jax2d.polygon_polygon(
-            polygon_pairs[:, 0], polygon_pairs[:, 1], shapes
-        )
+        deeper, other = jax2d.polygon_polygon(polygon_pairs[:, 0], polygon_pairs[:, 1], shapes)
         found = (
             deeper,
             other,
-            collide_jax2d.circle_polygon(
-                mixed[:, 0] - self.polygons, mixed[:, 1], centre, radius, shapes
-            ),
-            collide_jax2d.circle_circle(
+            jax2d.circle_polygon(mixed[:, 0] - self.polygons, mixed[:, 1], centre, radius, shapes),
+            jax2d.circle_circle(
                 circles[:, 0] - self.polygons, circles[:, 1] - self.polygons, centre, radius
             ),
         )

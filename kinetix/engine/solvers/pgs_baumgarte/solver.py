@@ -8,7 +8,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
-from kinetix.engine.collide_jax2d import Manifold
+from kinetix.engine.collision.jax2d import Manifold
 from kinetix.engine.lookup import onto, take
 from kinetix.engine.maths import Vec, cross, dot, rotate, unvec, vec
 from kinetix.engine.pairs import pair_counts

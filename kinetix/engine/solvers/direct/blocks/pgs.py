@@ -7,7 +7,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float, Int
 
-from kinetix.engine.in_use import InUse
+from kinetix.engine.active_rows import InUse
 from kinetix.engine.lookup import put, row
 from kinetix.engine.maths import nonzero
 from kinetix.engine.solvers.direct.blocks.base import AbstractBlock, Cone, project

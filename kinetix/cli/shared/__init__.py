@@ -1,0 +1,1 @@
+"""What several sub-commands have in common: options, the terminal, evaluation."""

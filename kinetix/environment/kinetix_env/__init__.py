@@ -1,0 +1,1 @@
+"""Names and fields of kinetix-env that states and environments answer to."""

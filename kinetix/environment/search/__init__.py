@@ -1,0 +1,1 @@
+"""The search for plans that win a level, behind `kinetix solve`."""
