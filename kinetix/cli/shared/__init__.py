@@ -1,1 +1,1 @@
-"""What several sub-commands have in common: options, the terminal, evaluation."""
+"""Parts that several sub-commands share: options, the terminal, evaluation."""
