@@ -229,7 +229,7 @@ def test_peers_that_hang_are_left_out(toy, tmp_path, monkeypatch):
         ask(toy, {"task": "time"}, seconds=0.2)
     monkeypatch.setattr(peer_scenes, "PATIENCE", 0.2)
     (trial,) = SCENES["I2"].make_trials()
-    assert peer_scenes._compiled(toy, trial, 1) is None
+    assert peer_scenes._compiled(toy, trial, 1, 1) is None
 
 
 def test_names_of_peers(capsys):
@@ -334,11 +334,11 @@ def test_batched_scenes_run_together_and_angles_do_not_jump(batched):
 
 def test_batched_engines_are_timed_where_they_have_words(batched):
     (trial,) = SCENES["I2"].make_trials()
-    rate = peer_scenes._compiled(batched, trial, os.cpu_count())
+    rate = peer_scenes._compiled(batched, trial, os.cpu_count(), os.cpu_count())
     assert rate.steps_per_s > 1e3
     assert rate.devices == os.cpu_count()
     (trial,) = SCENES["I4"].make_trials()
-    assert peer_scenes._compiled(batched, trial, 1) is None
+    assert peer_scenes._compiled(batched, trial, 1, 1) is None
 
 
 def test_ratios_compare_like_with_like():

@@ -213,6 +213,6 @@ def test_a_disk_that_is_full_is_one_sentence(finished, tmp_path, monkeypatch):
     with pytest.raises(KinetixError) as caught:
         train("ppo", longer, run)
     assert str(caught.value).startswith(
-        f"{run / 'checkpoints' / '256'}: cannot be written: No space left on device; after"
+        f"{run / 'checkpoints' / '256'}: cannot be written: No space left on device; once"
     )
     assert steps_of_run(run) == [64, 128, 192]
