@@ -255,7 +255,6 @@ def test_a_level_of_another_size_is_refused(small_env: KinetixEnv) -> None:
     [
         ({"action_type": "steer"}, "multi_discrete"),
         ({"observation_type": "smell"}, "symbolic_entity"),
-        ({"static_env_params": StaticEnvParams(physics="magic")}, "jax2d"),
         ({"static_env_params": StaticEnvParams(frame_skip=0)}, "frame_skip"),
         ({"parity": "kinetix-2"}, "kinetix-3"),
     ],
