@@ -26,8 +26,8 @@ if TYPE_CHECKING:
 
 _TAGS: Final = 24
 _WITH_LEVELS: Final = (
-    ("Choose all its levels", ""),
-    ("Put its levels into the set", "gallery.add_to_set"),
+    ("Choose All Its Levels", ""),
+    ("Put Its Levels into the Set", "gallery.add_to_set"),
     ("Evaluate", "gallery.evaluate"),
     ("Train on Them", "gallery.train"),
 )
@@ -133,13 +133,13 @@ def _folder_menu(session: "Session", folder: Path, *, levels: bool) -> None:
         widgets.probe(session, f"gallery.place.{action_id}")
     if str(folder) in session.settings.gallery_folders:
         imgui.separator()
-        if imgui.menu_item_simple(tr("Show it no more")):
+        if imgui.menu_item_simple(tr("Show It No More")):
             session.queue(lambda: doing.remove_folder(session, folder))
 
 
 def _set_menu(session: "Session", path: Path) -> None:
     """Draw the menu of a level set."""
-    if imgui.menu_item_simple(tr("Put its levels into the set")):
+    if imgui.menu_item_simple(tr("Put Its Levels into the Set")):
         session.queue(lambda: level_sets.load_into_set(session, path))
     if imgui.menu_item_simple(tr("Evaluate")):
         session.queue(lambda: doing.evaluate_set(session, path))
