@@ -22,8 +22,8 @@ def _guard_file(session: Session, path: Path) -> None:
     """
     if filing.bundled(path):
         raise CommandError(f"{path.name} came with the app: duplicate it and change the copy.")
-    index = session.tabs.locate(path)
-    if index is not None and session.tabs[index].document.dirty:
+    document = _open_document(session, path)
+    if document is not None and document.dirty:
         raise CommandError(f"{path.name} has unsaved changes: save or close it first.")
 
 
@@ -166,8 +166,8 @@ def _put(session: Session, cards: list[Card], folder: Path, stays: set[str]) -> 
             else:
                 document = _open_document(session, card.file)
                 one = filing.move_into(card.file, folder)
-                _follow(session, document, one.origin, one.file)
                 moved.append(one)
+                _follow(session, document, one.origin, one.file)
             yield
     finally:
         if moved:
@@ -181,11 +181,9 @@ def _tell_put(session: Session, copied: list[Path], moved: list[Path], folder: P
     if not (copied or moved):
         return
     if moved:
-        what = moved[0].stem if len(moved) == 1 else f"{len(moved)} levels"
-        session.toast(f"Moved {what} to {folder}", "success", action="gallery.restore")
+        session.toast(f"Moved {_named(moved)} to {folder}", "success", action="gallery.restore")
     if copied:
-        what = copied[0].stem if len(copied) == 1 else f"{len(copied)} levels"
-        session.toast(f"Copied {what} to {folder}", "success")
+        session.toast(f"Copied {_named(copied)} to {folder}", "success")
     there = [*moved, *copied]
     session.gallery.selection = tuple(map(str, there))
     session.gallery.focus = str(there[0])
@@ -193,6 +191,11 @@ def _tell_put(session: Session, copied: list[Path], moved: list[Path], folder: P
         gallery.look(session)
     else:
         gallery.include_folder(session, folder)
+
+
+def _named(files: list[Path]) -> str:
+    """Return the name of the only file, or how many there are."""
+    return files[0].stem if len(files) == 1 else f"{len(files)} levels"
 
 
 def delete(session: Session) -> None:
@@ -248,9 +251,9 @@ def _restored(session: Session, moved: tuple[MovedFile, ...]) -> Generator[None]
             try:
                 document = _open_document(session, one.file)
                 filing.bring_back(one)
-                _follow(session, document, one.file, one.origin)
                 back.append(one)
                 del waiting[one]
+                _follow(session, document, one.file, one.origin)
             except LevelError as error:
                 reason = reason or error
             yield

@@ -8,7 +8,7 @@ import os
 import shutil
 import sys
 import urllib.parse
-from collections.abc import Collection
+from collections.abc import Callable, Collection
 from pathlib import Path
 from typing import Final
 
@@ -108,12 +108,24 @@ def copy_into(path: Path, folder: Path) -> Path:
     Raises:
         LevelError: The file cannot be read or the copy not be written.
     """
+    return _put_into(path, folder, shutil.copyfile, "copied")
+
+
+def _put_into(path: Path, folder: Path, put: Callable[[Path, Path], object], done: str) -> Path:
+    """Put a file into a folder, under its name or with a number behind it.
+
+    Args:
+        path: The file.
+        folder: Made if it is not there.
+        put: Copies or moves the file to the path it is given.
+        done: Participle of that for the error: `copied`.
+    """
     target = free_path(folder / path.name)
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        shutil.copyfile(path, target)
+        put(path, target)
     except OSError as error:
-        raise LevelError(f"{path}: cannot be copied to {folder}: {_reason(error)}") from error
+        raise LevelError(f"{path}: cannot be {done} to {folder}: {_reason(error)}") from error
     return target
 
 
@@ -135,13 +147,7 @@ def move_into(path: Path, folder: Path) -> MovedFile:
     Raises:
         LevelError: The file cannot be moved; it stays where it is.
     """
-    target = free_path(folder / path.name)
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        _carry(path, target)
-    except OSError as error:
-        raise LevelError(f"{path}: cannot be moved to {folder}: {_reason(error)}") from error
-    return MovedFile(origin=path, file=target)
+    return MovedFile(origin=path, file=_put_into(path, folder, _carry, "moved"))
 
 
 def throw_away(path: Path) -> MovedFile:

@@ -1,4 +1,4 @@
-"""What lies on bodies that are hundreds and thousands of times lighter: held, and never thrown."""
+"""Heavy bodies on bodies hundreds and thousands of times lighter are held, and never thrown."""
 
 import numpy as np
 import pytest

@@ -19,7 +19,7 @@ from kinetix.bench.peers.scenes import measure_peer_scenes
 
 
 def chosen_peers(text: str) -> tuple[Peer, ...]:
-    """Return the peers that a command line means: names, `defaults`, `all` or `none`.
+    """Return the peers named on a command line: by their names, or `defaults`, `all` or `none`.
 
     Of `defaults` and `all`, those that are not installed are left out.
 

@@ -11,10 +11,10 @@ def rect(name):
 
 
 def apart(one, other):
-    """Whether two rectangles have no point in common."""
+    """Return whether two rectangles do not overlap."""
     return one[2] <= other[0] or other[2] <= one[0] or one[3] <= other[1] or other[3] <= one[1]
 
 
 def popup_open():
-    """Whether a menu or another popup is open."""
+    """Return whether a menu or another popup is open."""
     return imgui.is_popup_open("", imgui.PopupFlags_.any_popup.value)

@@ -1,4 +1,4 @@
-"""What replay scripts wrote."""
+"""Files that replay scripts write."""
 
 import json
 
@@ -13,5 +13,5 @@ def pixels(path) -> np.ndarray:
 
 
 def record(tmp_path, name):
-    """What the event `state` wrote."""
+    """Return the JSON that the event `state` wrote."""
     return json.loads((tmp_path / f"{name}.json").read_text())

@@ -43,18 +43,20 @@ def dragging() -> bool:
 
 def let_go_here() -> bool:
     """Return whether cards are let go over the widget drawn last, and mark it while they hover."""
-    if not imgui.begin_drag_drop_target():
-        return False
-    taken = imgui.accept_drag_drop_payload_py_id(_PAYLOAD) is not None
-    imgui.end_drag_drop_target()
-    return taken
+    return _taken(imgui.begin_drag_drop_target())
 
 
 def let_go_in_window() -> bool:
     """Return whether cards are let go over any place of the window that is being drawn."""
     low, size = imgui.get_window_pos(), imgui.get_window_size()
     rect = imgui.internal.ImRect((low.x, low.y), (low.x + size.x, low.y + size.y))
-    if not imgui.internal.begin_drag_drop_target_custom(rect, imgui.get_id("side-target")):
+    window = imgui.get_id("side-target")
+    return _taken(imgui.internal.begin_drag_drop_target_custom(rect, window))
+
+
+def _taken(over: bool) -> bool:
+    """Return whether the target that was begun takes cards, and end it if it was begun."""
+    if not over:
         return False
     taken = imgui.accept_drag_drop_payload_py_id(_PAYLOAD) is not None
     imgui.end_drag_drop_target()
