@@ -3,6 +3,7 @@
 import dataclasses
 import importlib.util
 import os
+import signal
 import sys
 import threading
 from pathlib import Path
@@ -209,17 +210,17 @@ def _until_closed(session: Session, host: "PygameHost") -> None:
 
     Raises:
         Terminated: A signal closed it, without a question; unsaved levels are copied.
+        KeyboardInterrupt: Ctrl+C in the terminal did the same.
     """
-    told: list[int] = []
+    told: list[BaseException] = []
 
     def close(number: int, _: object) -> None:
-        # A flag, no exception: the frame that is being drawn comes to its end.
         if told:
-            raise Terminated
-        told.append(number)
+            raise told[0]
+        told.append(KeyboardInterrupt() if number == signal.SIGINT else Terminated())
         session.closing.done = True
 
-    with signals_to(close, *ending_signals()):
+    with signals_to(close, signal.SIGINT, *ending_signals()):
         try:
             host.run()
         except Exception:
@@ -234,7 +235,7 @@ def _until_closed(session: Session, host: "PygameHost") -> None:
     session.keeper.save()
     session.kept_set.keep(session.gallery.tray)
     if told:
-        raise Terminated
+        raise told[0]
 
 
 def _open_files(options: Options, session: Session) -> None:

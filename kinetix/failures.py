@@ -48,7 +48,8 @@ def _terminate(*_: object) -> None:
 def signals_to(handler: Callable[..., None], *numbers: int) -> Iterator[None]:
     """Install a handler for the block; the previous handlers are restored afterwards.
 
-    Outside the main thread, where Python takes no signals, nothing changes.
+    Outside the main thread, where Python takes no signals, nothing changes. What is ignored stays
+    so: closed terminals by `nohup`, Ctrl+C by shells that start a command in the background.
 
     Args:
         handler: Called with the signal's number and a stack frame.
@@ -57,7 +58,8 @@ def signals_to(handler: Callable[..., None], *numbers: int) -> Iterator[None]:
     if threading.current_thread() is not threading.main_thread():
         yield
         return
-    before: list[tuple[int, Any]] = [(each, signal.signal(each, handler)) for each in numbers]
+    heard = [each for each in numbers if signal.getsignal(each) != signal.SIG_IGN]
+    before: list[tuple[int, Any]] = [(each, signal.signal(each, handler)) for each in heard]
     try:
         yield
     finally:
@@ -67,28 +69,47 @@ def signals_to(handler: Callable[..., None], *numbers: int) -> Iterator[None]:
 
 
 @contextlib.contextmanager
-def interrupts_later() -> Iterator[None]:
-    """Let Ctrl+C wait for the end of a block of imports, which it would leave half done.
+def signals_later(*numbers: int) -> Iterator[None]:
+    """Let signals wait for the end of a block that an exception would leave half done.
 
-    Raises:
-        KeyboardInterrupt: At the end, if it came inside.
+    Imports and frames are such blocks. A second signal does not wait.
+
+    Args:
+        numbers: The signals.
     """
     asked: list[int] = []
-    with signals_to(lambda number, _: asked.append(number), signal.SIGINT):
+    handlers = contextlib.ExitStack()
+
+    def wait(number: int, _: object) -> None:
+        asked.append(number)
+        if len(asked) > 1:
+            end()
+
+    def end() -> None:
+        handlers.close()
+        if asked:
+            number = asked[0]
+            asked.clear()
+            signal.raise_signal(number)
+
+    handlers.enter_context(signals_to(wait, *numbers))
+    try:
         yield
-    if asked:
-        raise KeyboardInterrupt
+    finally:
+        end()
+
+
+def interrupts_later() -> contextlib.AbstractContextManager[None]:
+    """Let Ctrl+C wait for the end of a block, as `signals_later` does."""
+    return signals_later(signal.SIGINT)
 
 
 def ending_signals() -> tuple[int, ...]:
     """Return the signals that ask a process to end: SIGTERM, and that of a terminal that closes.
 
-    Windows has none of the second kind; `nohup` has it ignored, and so it stays.
+    Windows has none of the second kind.
     """
-    hang_up = getattr(signal, "SIGHUP", None)
-    if hang_up is None or signal.getsignal(hang_up) == signal.SIG_IGN:
-        return (signal.SIGTERM,)
-    return (signal.SIGTERM, hang_up)
+    return tuple(filter(None, (signal.SIGTERM, getattr(signal, "SIGHUP", None))))
 
 
 def terminable() -> contextlib.AbstractContextManager[None]:

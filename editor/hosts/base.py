@@ -1,6 +1,7 @@
 """Common parts of the hosts: a Dear ImGui context, the input feeder, one frame after the other."""
 
 import abc
+import signal
 import time
 from collections.abc import Sequence
 from typing import Protocol
@@ -15,6 +16,7 @@ from editor.toolkit import theme
 from editor.toolkit.appearance import COLOURS
 from editor.toolkit.textures import TextureStore
 from editor.window.ui import Ui
+from kinetix.failures import ending_signals, signals_later
 
 LEAST_SIZE = (320, 240)
 """Smallest size for which the panels are laid out [px]."""
@@ -94,6 +96,11 @@ class Host(abc.ABC):
             batch: What the person did since the last frame.
             dt: Time since the last frame [s].
         """
+        # Half a frame would leave Dear ImGui in a state in which it crashes.
+        with signals_later(signal.SIGINT, *ending_signals()):
+            self._step(batch, dt)
+
+    def _step(self, batch: Sequence[events.InputEvent], dt: float) -> None:
         io = imgui.get_io()
         # A window can be made as small as a line; what it shows is cut off then.
         io.display_size = imgui.ImVec2(*map(max, self.size, LEAST_SIZE))

@@ -164,7 +164,7 @@ def read_metrics(run: Path) -> list[dict[str, float]]:
     """Return all rows of a run, one an update; lines that are no row are left out.
 
     A kill or a full disk cuts the last line off; where more lines follow, they count. Of an update
-    that is there twice the later row counts.
+    that is there twice the later row counts. They are in the order of the updates.
 
     Args:
         run: The run's directory.
@@ -188,9 +188,8 @@ def parse_rows(data: bytes) -> list[dict[str, float]]:
     for line in data.decode("utf-8", errors="replace").split("\n"):
         row = _row(line)
         if row is not None:
-            rows.pop(row[UPDATE], None)
             rows[row[UPDATE]] = row
-    return list(rows.values())
+    return [rows[update] for update in sorted(rows)]
 
 
 def keep_damaged_rows(run: Path, updates: int, say: Callable[[str], None]) -> None:

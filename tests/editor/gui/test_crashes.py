@@ -1,5 +1,6 @@
 """An exception at the top of a frame: told, reported, the work saved aside, the window goes on."""
 
+import signal
 from pathlib import Path
 
 import pytest
@@ -9,6 +10,7 @@ from editor.documents import recovery
 from editor.documents.commands.group import Move
 from editor.session import Session
 from editor.worker.jobs import Worker
+from kinetix.failures import Terminated, terminable
 from tests.editor.core.helpers import a_level
 from tests.editor.days import refuse
 
@@ -116,3 +118,31 @@ def test_a_script_ends_with_the_first_failing_frame(gui, monkeypatch):
     with pytest.raises(ZeroDivisionError):
         gui.frames(1)
     imgui.render()
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_a_signal_waits_for_the_end_of_a_frame(gui, monkeypatch, number):
+    draw, drawn = gui.host.ui.workplace.draw, []
+
+    def told(*words: object) -> None:
+        signal.raise_signal(number)
+        draw(*words)
+        drawn.append(imgui.get_frame_count())
+
+    monkeypatch.setattr(gui.host.ui.workplace, "draw", told)
+    with terminable(), pytest.raises((KeyboardInterrupt, Terminated)):
+        gui.frames(5)
+    assert len(drawn) == 1
+    monkeypatch.undo()
+    gui.frames(5)
+
+
+def test_a_second_signal_does_not_wait_for_a_frame(gui, monkeypatch):
+    def hangs(*_: object) -> None:
+        for _ in range(2):
+            signal.raise_signal(signal.SIGINT)
+        pytest.fail("it went on")
+
+    monkeypatch.setattr(gui.host.ui.workplace, "draw", hangs)
+    with pytest.raises(KeyboardInterrupt):
+        gui.frames(1)

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from kinetix.failures import TERMINATED
+from kinetix.failures import INTERRUPTED, TERMINATED
 from kinetix.level.codec import load_level
 from kinetix.paths import levels_dir
 from tests.editor import days
@@ -162,8 +162,17 @@ def test_draws_with_the_mouse_saves_with_the_keyboard_and_quits(desktop, tmp_pat
     assert str(level) in recents["recents"][0]
 
 
-@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP])
-def test_a_signal_closes_the_window_and_keeps_a_copy_of_unsaved_work(home, tmp_path, number):
+@pytest.mark.parametrize(
+    ("number", "status", "word"),
+    [
+        (signal.SIGTERM, TERMINATED, "terminated"),
+        (signal.SIGHUP, TERMINATED, "terminated"),
+        (signal.SIGINT, INTERRUPTED, "interrupted"),
+    ],
+)
+def test_a_signal_closes_the_window_and_keeps_a_copy_of_unsaved_work(
+    home, tmp_path, number, status, word
+):
     level = tmp_path / "mine.json"
     shutil.copy(levels_dir() / "s" / "first_flight.json", level)
     with contextlib.ExitStack() as ends:
@@ -174,8 +183,8 @@ def test_a_signal_closes_the_window_and_keeps_a_copy_of_unsaved_work(home, tmp_p
         desktop.do("key", "Delete")
         desktop.until(lambda: desktop.title().startswith("●"))
         desktop.app.send_signal(number)
-        assert desktop.app.wait(60) == TERMINATED
-        assert desktop.app.stderr.read() == "terminated\n"
+        assert desktop.app.wait(60) == status
+        assert desktop.app.stderr.read() == f"{word}\n"
     copies = (tmp_path / "state" / "kinetix-editor" / "autosave").glob("*/*[0-9].json")
     assert len(list(copies)) == 1
     assert load_level(level).bodies
