@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Annotated, Final
 
 import tyro
 
-from editor.actions import reopen
-from editor.actions.agents import load_agent
+from editor.actions.files import reopen
+from editor.actions.watching.agents import load_agent
 from editor.base.settings import LARGEST_SIDE, SCALES, USUAL_SIZE, Settings, SettingsKeeper
 from editor.documents.autosaves import Autosaves
 from editor.documents.old_names import OldNames
@@ -239,7 +239,8 @@ def _until_closed(session: Session, host: "PygameHost") -> None:
 
 
 def _open_files(options: Options, session: Session) -> None:
-    from editor.actions import address, guide, recover
+    from editor.actions import guide
+    from editor.actions.files import address, recover
 
     # Replays are asked nothing, so recordings are not either.
     asks = options.replay is None and options.record is None
@@ -269,7 +270,7 @@ def _tell_of_settings(session: Session) -> None:
 
     The first change of a setting replaces its file.
     """
-    from editor.actions import file
+    from editor.actions.files import file
     from editor.base import language
 
     for fault in language.own_faults():

@@ -22,7 +22,9 @@ from collections.abc import Callable
 from pathlib import Path
 
 from editor import actions
-from editor.actions import agents, file, measure
+from editor.actions.evaluation import measure
+from editor.actions.files import file
+from editor.actions.watching import agents
 from editor.base.events import InputEvent, KeyEvent, Pointer, PointerEvent
 from editor.base.settings import Settings
 from editor.gallery.results import Results

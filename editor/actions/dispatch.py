@@ -5,23 +5,16 @@ import os
 from pathlib import Path
 from typing import Final
 
-from editor.actions import (
-    address,
-    agents,
-    context,
-    external_change,
-    gallery,
-    many_files,
-    play,
-    quitting,
-    recording,
-    train,
-    watch,
-)
 from editor.actions.base import Action, Context, contexts, reached, selecting
-from editor.actions.context import Table
-from editor.actions.pointer import move_wheel, pinch, use_pointer
+from editor.actions.editing import context
+from editor.actions.editing.context import Table
+from editor.actions.editing.pointer import move_wheel, pinch, use_pointer
+from editor.actions.files import address, external_change, quitting, recording
+from editor.actions.gallery import gallery, many_files
+from editor.actions.playing import play
 from editor.actions.table import ACTIONS, BY_ID
+from editor.actions.training import train
+from editor.actions.watching import agents, watch
 from editor.agents.folders import agent_folder
 from editor.base.camera import Point
 from editor.base.controls import PAD, PAD_ACTIONS

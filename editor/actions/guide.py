@@ -4,7 +4,7 @@ import dataclasses
 from collections.abc import Callable
 from typing import Final
 
-from editor.actions import file
+from editor.actions.files import file
 from editor.play.mode import Mode
 from editor.session import Session
 from kinetix.level.model import Circle

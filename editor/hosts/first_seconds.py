@@ -45,7 +45,7 @@ class FirstSeconds:
 def main() -> None:
     """Measure once; print one JSON object. Arguments: when the process was started, the level."""
     started, level = float(sys.argv[1]), sys.argv[2]
-    from editor.actions import file
+    from editor.actions.files import file
     from editor.base.settings import Settings
     from editor.gallery.results import Results
     from editor.hosts.offscreen import OffscreenHost

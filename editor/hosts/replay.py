@@ -13,7 +13,8 @@ from pathlib import Path
 from typing import Final
 
 from editor import actions
-from editor.actions import address, agents
+from editor.actions.files import address
+from editor.actions.watching import agents
 from editor.agents.viewer import SLOTS
 from editor.base import events
 from editor.base.events import FRAME

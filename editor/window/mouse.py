@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Final
 from imgui_bundle import imgui
 
 from editor import actions
-from editor.actions import context
+from editor.actions.editing import context
 from editor.base import events
 from editor.base.camera import Point
 from editor.base.overlay import Cursor

@@ -161,7 +161,8 @@ def write_kinetix_env_agent(folder: Path, number: int) -> None:
 def write_work(folder: Path, number: int) -> None:
     """A person at work: unsaved changes are copied, restored after a kill, now and then saved."""
     from editor import actions
-    from editor.actions import recover
+    from editor.actions.files import recover
+    from editor.actions.files.file import open_path
     from editor.documents import recovery
     from editor.documents.autosaves import PAUSE, Autosaves
     from editor.documents.commands.level import ReplaceLevel
@@ -173,7 +174,7 @@ def write_work(folder: Path, number: int) -> None:
     if not file.exists():
         write_level(folder, number)
     session = Session(autosaves=Autosaves(clock=lambda: next(now)))
-    actions.file.open_path(session, file)
+    open_path(session, file)
     for each in reversed(recovery.find().recoveries):
         recover.restore(session, each)
     for k in range(number, number + 5):
@@ -256,7 +257,7 @@ WRITERS: dict[str, Writer] = {
         write=write_work,
         read=read_work,
         longest=0.15,
-        modules=("editor.session", "editor.actions.recover"),
+        modules=("editor.session", "editor.actions.files.recover"),
     ),
     "metrics": Writer(
         write=write_metrics,

@@ -5,7 +5,7 @@ import os
 import shutil
 from pathlib import Path
 
-from editor.actions import file, recover
+from editor.actions.files import file, recover
 from editor.base.settings import Settings, SettingsKeeper
 from editor.documents.autosaves import Autosaves
 from editor.documents.commands.fields import SetField

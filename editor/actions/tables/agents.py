@@ -2,18 +2,13 @@
 
 from typing import Final
 
-from editor.actions import (
-    agents,
-    datasets,
-    export,
-    measure,
-    own_agents,
-    timeline,
-    train,
-    view,
-    watch,
-)
+from editor.actions import view
 from editor.actions.base import Action, Context, playing
+from editor.actions.evaluation import measure
+from editor.actions.files import datasets, export
+from editor.actions.playing import timeline
+from editor.actions.training import own_agents, train
+from editor.actions.watching import agents, watch
 from editor.agents.local_training import BUSY
 from editor.agents.viewer import Compare
 

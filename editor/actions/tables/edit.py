@@ -2,8 +2,8 @@
 
 from typing import Final
 
-from editor.actions import edit
 from editor.actions.base import Action, Context, editing, selecting
+from editor.actions.editing import edit
 from editor.session import Session
 
 EDIT: Final = Context.EDIT

@@ -2,9 +2,10 @@
 
 from typing import Final
 
-from editor.actions import (
+from editor.actions.base import Action, Context
+from editor.actions.evaluation import comparison
+from editor.actions.files import (
     address,
-    comparison,
     export,
     external_change,
     file,
@@ -12,7 +13,6 @@ from editor.actions import (
     recording,
     recover,
 )
-from editor.actions.base import Action, Context
 
 FILE: Final = (
     Action(id="file.new", label="New", menu="File", group="open", keys=("ctrl+n",), run=file.new),

@@ -2,8 +2,9 @@
 
 from typing import Final
 
-from editor.actions import gallery, gallery_files, level_sets, many_files, train
 from editor.actions.base import Action, Context
+from editor.actions.gallery import gallery, gallery_files, level_sets, many_files
+from editor.actions.training import train
 
 GALLERY: Final = (
     Action(

@@ -2,8 +2,10 @@
 
 from typing import Final
 
-from editor.actions import gallery, level, level_sets, solution
 from editor.actions.base import Action, Context, editing
+from editor.actions.editing import level
+from editor.actions.gallery import gallery, level_sets
+from editor.actions.playing import solution
 from editor.session import Session
 
 EDIT: Final = Context.EDIT

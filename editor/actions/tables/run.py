@@ -2,8 +2,9 @@
 
 from typing import Final
 
-from editor.actions import moment, physics, play, view
+from editor.actions import view
 from editor.actions.base import Action, Context, editing, playing
+from editor.actions.playing import moment, physics, play
 from editor.play.mode import Mode
 from editor.play.playback import SPEEDS
 

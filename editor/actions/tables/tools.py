@@ -2,8 +2,9 @@
 
 from typing import Final
 
-from editor.actions import edit, placing, view
+from editor.actions import view
 from editor.actions.base import Action, Context, editing
+from editor.actions.editing import edit, placing
 from editor.documents.commands.parts import PARTS
 
 EDIT: Final = Context.EDIT

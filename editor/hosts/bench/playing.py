@@ -3,7 +3,7 @@
 import statistics
 import time
 
-from editor.actions import file
+from editor.actions.files import file
 from editor.base.events import FRAME
 from editor.base.settings import Settings
 from editor.gallery.results import Results

@@ -8,7 +8,8 @@ import time
 from pathlib import Path
 from typing import Final
 
-from editor.actions import agents, file
+from editor.actions.files import file
+from editor.actions.watching import agents
 from editor.base.events import FRAME
 from editor.base.settings import Settings
 from editor.gallery.results import Results

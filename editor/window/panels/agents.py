@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Final
 from imgui_bundle import imgui
 
 from editor import actions
-from editor.actions import agents
+from editor.actions.watching import agents
 from editor.agents.folders import checkpoints_of
 from editor.agents.viewer import COMPARE_LABELS, SlotName, mismatch
 from editor.toolkit import widgets

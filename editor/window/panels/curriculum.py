@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Final
 
 from imgui_bundle import imgui
 
-from editor.actions import curriculum
+from editor.actions.training import curriculum
 from editor.agents.curriculum import CurriculumWatch, lineage, why_gone
 from editor.base.language import tr
 from editor.toolkit import widgets

@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Final
 
 from imgui_bundle import imgui
 
-from editor.actions import comparison, measure
-from editor.actions.save_table import ask_save
+from editor.actions.evaluation import comparison, measure
+from editor.actions.evaluation.save_table import ask_save
 from editor.agents.attempt_paths import Ways
 from editor.base.language import tr
 from editor.base.prompts import FileQuestion

@@ -4,7 +4,8 @@ import dataclasses
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Final
 
-from editor.actions import examples, view
+from editor.actions import view
+from editor.actions.files import examples
 from editor.documents.commands.fields import field_name
 from editor.drawing.debug_draw import LAYERS
 from editor.window.panels.preferences import PAGES, choose

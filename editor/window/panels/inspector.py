@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from imgui_bundle import imgui
 
-from editor.actions.edit import named
+from editor.actions.editing.edit import named
 from editor.base.controls import key_caps
 from editor.base.wording import counts, plain_name
 from editor.documents.commands.base import EntityId

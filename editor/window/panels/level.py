@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from imgui_bundle import imgui
 
-from editor.actions.file import NEW_LEVEL
+from editor.actions.files.file import NEW_LEVEL
 from editor.base.language import tr
 from editor.documents.commands.fields import SetLevelField
 from editor.documents.tags import tags_of

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Final
 from imgui_bundle import imgui
 
 from editor import actions
-from editor.actions import examples, file, view
+from editor.actions import view
+from editor.actions.files import examples, file
 from editor.base.language import tr
 from editor.toolkit import widgets
 from editor.toolkit.appearance import COLOURS, FONTS, Icons

@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING, Final
 from imgui_bundle import imgui
 
 from editor import actions
-from editor.actions import agents, examples, file
+from editor.actions.files import examples, file
+from editor.actions.watching import agents
 from editor.base.language import tr
 from editor.toolkit import widgets
 from editor.toolkit.appearance import COLOURS, SMALL, Icons, u32

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Final
 from imgui_bundle import imgui
 
 from editor import actions
-from editor.actions import physics
+from editor.actions.playing import physics
 from editor.base.language import languages
 from editor.base.settings import ANGLE_STEPS, GRID_STEPS, TEXT_SCALES, Settings, settings_path
 from editor.toolkit import widgets

@@ -5,8 +5,8 @@ from typing import TYPE_CHECKING, Final
 from imgui_bundle import imgui
 
 from editor import actions
-from editor.actions.compatible import agents_stamp, compatible_agents
-from editor.actions.fixes import fix_of
+from editor.actions.editing.fixes import fix_of
+from editor.actions.watching.compatible import agents_stamp, compatible_agents
 from editor.agents.random_play import fitting
 from editor.base.language import tr
 from editor.toolkit import widgets

@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING, Final
 
 from imgui_bundle import imgui
 
-from editor.actions import measure
+from editor.actions.evaluation import measure
 from editor.agents.evaluation import Column, Plan, Row, best
 from editor.base.language import tr
 from editor.toolkit import widgets

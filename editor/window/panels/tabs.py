@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Final
 from imgui_bundle import imgui
 
 from editor import actions
-from editor.actions import file
-from editor.actions.tab_menu import open_tab_menu
+from editor.actions.files import file
+from editor.actions.files.tab_menu import open_tab_menu
 from editor.base.language import tr
 from editor.toolkit import widgets
 from editor.toolkit.appearance import COLOURS, SMALL, Icons, alpha

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Final
 from imgui_bundle import imgui
 
 from editor import actions
-from editor.actions import physics
+from editor.actions.playing import physics
 from editor.base.language import tr
 from editor.play.mode import Mode
 from editor.toolkit import widgets

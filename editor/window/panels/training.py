@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 from imgui_bundle import imgui, implot
 
-from editor.actions import watch
+from editor.actions.watching import watch
 from editor.agents.curves import Curve, Curves, band_of, run_names
 from editor.base.language import tr
 from editor.toolkit import widgets

@@ -2,7 +2,7 @@
 
 from typing import TYPE_CHECKING, Final, NamedTuple
 
-from editor.actions.export import file_of, writing
+from editor.actions.files.export import file_of, writing
 from editor.base.language import tr
 from editor.toolkit.appearance import COLOURS, Icons, Rgba
 from editor.worker.jobs import PREPARATIONS, Job, lane_of

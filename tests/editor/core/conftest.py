@@ -16,7 +16,7 @@ def own_folders(tmp_path, monkeypatch):
     monkeypatch.setattr("editor.base.state_file.state_dir", lambda: tmp_path / "state")
     monkeypatch.setattr("editor.gallery.library.cache_dir", lambda: tmp_path / "cache")
     monkeypatch.setattr("editor.gallery.filing.user_levels_dir", lambda: tmp_path / "mine")
-    monkeypatch.setattr("editor.actions.gallery.user_levels_dir", lambda: tmp_path / "mine")
+    monkeypatch.setattr("editor.actions.gallery.gallery.user_levels_dir", lambda: tmp_path / "mine")
     monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path / "data"))
 
 

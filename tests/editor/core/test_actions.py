@@ -8,8 +8,9 @@ import re
 import pytest
 
 from editor import actions
-from editor.actions import ACTIONS, BY_ID, Context, examples
-from editor.actions.fixes import fix_of
+from editor.actions import ACTIONS, BY_ID, Context
+from editor.actions.editing.fixes import fix_of
+from editor.actions.files import examples
 from editor.base.events import DropEvent, FocusEvent, PadEvent, QuitEvent
 from editor.documents.commands import clip
 from editor.documents.commands.fields import SetField, SetLevelField

@@ -10,7 +10,7 @@ import time
 
 import pytest
 
-from editor.actions import address
+from editor.actions.files import address
 from editor.agents.evaluation import Evaluation
 from editor.base.settings import Settings
 from editor.session import Session
@@ -127,7 +127,7 @@ def test_what_cannot_be_kept_aside_is_one_sentence(web, tmp_path, monkeypatch):
     def missing():
         raise FileNotFoundError(errno.ENOENT, "No usable temporary directory found")
 
-    monkeypatch.setattr("editor.actions.address.tempfile.TemporaryDirectory", missing)
+    monkeypatch.setattr("editor.actions.files.address.tempfile.TemporaryDirectory", missing)
     address.open_address(session, f"{web}/mine.json")
     _take(session)
     (prompt,) = session.prompts

@@ -3,7 +3,7 @@
 import pytest
 
 from editor import actions
-from editor.actions import physics
+from editor.actions.playing import physics
 from editor.play.second_player import Follower
 from tests.editor.core.helpers import FakeSimulator, a_level, a_session
 

@@ -3,7 +3,8 @@
 import pytest
 
 from editor import actions
-from editor.actions import BY_ID, context
+from editor.actions import BY_ID
+from editor.actions.editing import context
 from editor.documents.commands.fields import read_field
 from editor.documents.document import Document
 from tests.editor.core.helpers import Hand, a_level, a_session, texts

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from editor import actions
-from editor.actions import datasets, run
+from editor.actions import run
+from editor.actions.files import datasets
 from editor.base.prompts import FileQuestion
 from editor.documents.commands.level import ReplaceLevel
 from editor.play.mode import Mode

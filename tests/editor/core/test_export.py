@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from editor import actions
-from editor.actions import export, folders, recording
+from editor.actions.files import export, folders, recording
 from editor.documents import files
 from editor.documents.commands.group import Move, Remove
 from editor.play.mode import Mode
@@ -36,8 +36,10 @@ def export_level(session, path):
 
 
 def test_where_exports_begin(session, tmp_path, monkeypatch):
-    monkeypatch.setattr("editor.actions.folders.user_levels_dir", lambda: tmp_path / "Kinetix")
-    monkeypatch.setattr("editor.actions.export.user_levels_dir", lambda: tmp_path / "Kinetix")
+    monkeypatch.setattr(
+        "editor.actions.files.folders.user_levels_dir", lambda: tmp_path / "Kinetix"
+    )
+    monkeypatch.setattr("editor.actions.files.export.user_levels_dir", lambda: tmp_path / "Kinetix")
 
     def asked():
         actions.run(session, "file.export")
@@ -62,7 +64,9 @@ def test_where_exports_begin(session, tmp_path, monkeypatch):
 
 
 def test_the_folder_of_a_level_that_is_gone_is_not_made_anew(session, tmp_path, monkeypatch):
-    monkeypatch.setattr("editor.actions.folders.user_levels_dir", lambda: tmp_path / "Kinetix")
+    monkeypatch.setattr(
+        "editor.actions.files.folders.user_levels_dir", lambda: tmp_path / "Kinetix"
+    )
     session.attended = True
     session.document.path = tmp_path / "stick" / "car.json"
     session.settings.export_folder = session.settings.save_folder = ""

@@ -7,7 +7,7 @@ import os
 import pytest
 
 from editor import actions
-from editor.actions import external_change, file, folders
+from editor.actions.files import external_change, file, folders
 from editor.base.controls import Drive
 from editor.base.settings import RECENTS_MAX, Settings, SettingsKeeper
 from editor.documents import files, recovery

@@ -12,9 +12,10 @@ import numpy as np
 import pytest
 
 from editor import actions
-from editor.actions import gallery as doing
-from editor.actions import gallery_files, level_sets, unsaved
-from editor.actions.file import open_path
+from editor.actions.files import unsaved
+from editor.actions.files.file import open_path
+from editor.actions.gallery import gallery as doing
+from editor.actions.gallery import gallery_files, level_sets
 from editor.agents.evaluation import Evaluation
 from editor.base.events import DropEvent
 from editor.base.prompts import FileQuestion, TextQuestion
@@ -560,7 +561,7 @@ def test_a_set_with_a_bad_level_is_refused_and_nothing_is_written(library, folde
 
 @pytest.fixture
 def session(folder, monkeypatch):
-    monkeypatch.setattr("editor.actions.gallery.levels_dir", lambda: folder)
+    monkeypatch.setattr("editor.actions.gallery.gallery.levels_dir", lambda: folder)
     made = a_session()
     actions.run(made, "level.gallery")
     assert made.library.wait(20)

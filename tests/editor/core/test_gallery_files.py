@@ -3,7 +3,7 @@
 import pytest
 
 from editor import actions
-from editor.actions import many_files
+from editor.actions.gallery import gallery, many_files
 from editor.gallery.export import SetPlan, export_set
 from editor.window.panels.under_way import under_way
 from kinetix.level.codec import save_level
@@ -71,7 +71,7 @@ def with_sets(session, folder):  # noqa: F811
     export_set(rocket, SetPlan(form="folder"), folder)
     export_set(rocket, SetPlan(), folder / "whole.json")
     save_level(playable("Other", 2.5), folder / "other.json")
-    actions.gallery.look(session)
+    gallery.look(session)
     assert session.library.wait(20) and len(session.library.sets) == 2
     return session
 

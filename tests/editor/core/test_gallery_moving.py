@@ -3,7 +3,7 @@
 import pytest
 
 from editor import actions
-from editor.actions import gallery_files
+from editor.actions.gallery import gallery_files
 from editor.base.prompts import FileQuestion
 from tests.editor.core.helpers import texts
 from tests.editor.core.test_gallery import (  # noqa: F401

@@ -2,7 +2,8 @@
 
 import pytest
 
-from editor.actions import file, run, update
+from editor.actions import run, update
+from editor.actions.files import file
 from editor.base.prompts import Question
 from editor.documents.commands.bodies import posed
 from editor.documents.commands.fields import SetField

@@ -5,7 +5,8 @@ import json
 import numpy as np
 import pytest
 
-from editor.actions import file, recover, run
+from editor.actions import run
+from editor.actions.files import file, recover
 from editor.base.controls import channel_name
 from editor.base.prompts import Question, TextQuestion
 from editor.documents import recovery

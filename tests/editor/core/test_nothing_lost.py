@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 
 from editor import actions
-from editor.actions import file
-from editor.actions.tab_menu import open_tab_menu
+from editor.actions.files import file
+from editor.actions.files.tab_menu import open_tab_menu
 from editor.base.events import DropEvent, QuitEvent
 from editor.documents import files
 from editor.documents.commands.group import Move, Remove
@@ -34,7 +34,7 @@ MOVE = Move(ids=(3,), shift=(0.25, 0.0))
 def drawing(path):
     """A session with a file open, whose random levels are a level of the tests."""
     session = Session(worker=Worker(perform=lambda request, progress: a_level()))
-    actions.file.open_path(session, path)
+    file.open_path(session, path)
     yield session
     session.worker.stop()
 
@@ -273,7 +273,7 @@ def test_a_folder_dropped_on_the_window_is_in_the_gallery(path):
 
 def test_a_file_that_is_open_already_comes_out_of_the_gallery(path):
     session = Session()
-    actions.file.open_path(session, path)
+    file.open_path(session, path)
     session.open_tab(Document(a_level()))
     for _ in range(2):  # behind another tab, and in front
         actions.run(session, "level.gallery")

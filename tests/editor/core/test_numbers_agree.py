@@ -7,8 +7,8 @@ import re
 
 import pytest
 
-from editor.actions import comparison
-from editor.actions.save_table import save_table
+from editor.actions.evaluation import comparison
+from editor.actions.evaluation.save_table import save_table
 from editor.agents.evaluation import Plan, bare_summary
 from editor.session import Session
 from editor.worker.requests import (

@@ -3,6 +3,7 @@
 import pytest
 
 from editor import actions
+from editor.actions.watching import agents, watch
 from editor.agents.local_training import LocalTraining
 from editor.base.prompts import MenuQuestion, TextQuestion
 from editor.worker.requests import AgentRef
@@ -25,7 +26,7 @@ num_steps = 10
 def folder(session, tmp_path, monkeypatch):
     """The folder of the user's agents, with one run that is through; the trash beside it."""
     agents = tmp_path / "agents"
-    monkeypatch.setattr("editor.actions.own_agents.user_agents_dir", lambda: agents)
+    monkeypatch.setattr("editor.actions.training.own_agents.user_agents_dir", lambda: agents)
     monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path / "data"))
     monkeypatch.setattr("editor.gallery.filing.sys.platform", "linux")
     a_run(agents / "hopper", made=2048)
@@ -82,7 +83,7 @@ def test_a_training_goes_on_to_its_end_or_for_as_long_again(session, folder, mad
 def test_a_renamed_agent_stays_where_it_is_used(session, stage: Stage, folder):
     for name in ("hopper", "pogo"):
         stage.agents[str(folder / name)] = a_summary("Specialist")
-    actions.agents.load_agent(session, folder / "hopper")
+    agents.load_agent(session, folder / "hopper")
     settle(session)
     actions.run(session, "agent.rename")
     choose(session, "hopper")
@@ -99,7 +100,7 @@ def test_a_renamed_agent_keeps_the_chosen_physics_and_is_measured_still(session,
     for name in ("hopper", "pogo"):
         ref = AgentRef(path=str(folder / name), stamp="1")
         stage.agents[ref.path] = a_summary("Specialist", ref=ref, digest="d1")
-    actions.agents.load_agent(session, folder / "hopper")
+    agents.load_agent(session, folder / "hopper")
     settle(session)
     session.viewer.contenders = (a_summary("Other"), stage.agents[str(folder / "hopper")])
     session.playback.physics = "accurate"
@@ -128,7 +129,7 @@ def test_a_name_that_cannot_be_is_refused(session, folder, name):
 
 def test_a_deleted_agent_leaves_its_slot_and_comes_back(session, stage: Stage, folder):
     stage.agents[str(folder / "hopper")] = a_summary("Specialist")
-    actions.agents.load_agent(session, folder / "hopper")
+    agents.load_agent(session, folder / "hopper")
     settle(session)
     assert not actions.run(session, "agent.restore")
     actions.run(session, "agent.delete")
@@ -177,8 +178,8 @@ def test_what_cannot_come_back_waits_behind_the_others(session, folder):
 
 
 def test_runs_beside_follow_an_agent_and_go_with_it(session, folder):
-    actions.watch.watch_run(session, str(folder / "gone"))
-    actions.watch.add_run(session, str(folder / "hopper"))
+    watch.watch_run(session, str(folder / "gone"))
+    watch.add_run(session, str(folder / "hopper"))
     actions.run(session, "agent.rename")
     choose(session, "hopper")
     type_name(session, "pogo")
@@ -199,7 +200,9 @@ def test_a_damaged_configuration_gets_a_sentence(session, folder, text):
 
 
 def test_where_nothing_was_trained_that_is_said(session, tmp_path, monkeypatch):
-    monkeypatch.setattr("editor.actions.own_agents.user_agents_dir", lambda: tmp_path / "none")
+    monkeypatch.setattr(
+        "editor.actions.training.own_agents.user_agents_dir", lambda: tmp_path / "none"
+    )
     for name in ("go_on_training", "rename", "delete"):
         actions.run(session, f"agent.{name}")
     assert sum("No agent was trained here yet" in text for text in texts(session)) >= 1

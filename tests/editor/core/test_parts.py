@@ -5,7 +5,7 @@ import math
 import pytest
 
 from editor import actions
-from editor.actions import examples
+from editor.actions.files import examples
 from editor.documents.commands.parts import PARTS
 from editor.editing.picking import joint_position
 from kinetix.level.geometry import referenced_body, to_world

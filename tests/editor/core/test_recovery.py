@@ -18,7 +18,7 @@ import pytest
 
 from editor import actions
 from editor.__main__ import _until_closed
-from editor.actions import recover
+from editor.actions.files import file, recover
 from editor.base.language import Language, languages, read_words
 from editor.documents import autosaves, files, recovery, run_lock
 from editor.documents.autosaves import LONGEST, PAUSE, Autosaves, autosave_dir
@@ -70,7 +70,7 @@ def start(clock):
         level = level or Level(name="Untitled")
         session = Session(autosaves=Autosaves(clock=clock), level=level, **parts)
         for each in paths:
-            actions.file.open_path(session, each)
+            file.open_path(session, each)
         recover.offer(session)
         runs.append(session)
         return session
@@ -321,7 +321,7 @@ def test_what_is_restored_stands_in_the_order_of_its_tabs(start, clock, path):
     session = start(path)
     for name in ("b", "c"):
         save_level(a_level(), path.with_name(f"{name}.json"))
-        actions.file.open_path(session, path.with_name(f"{name}.json"))
+        file.open_path(session, path.with_name(f"{name}.json"))
     names = [tab.document.path.name for tab in session.tabs]
     for number in (2, 0, 1):
         session.show_tab(number)
@@ -543,7 +543,7 @@ def test_a_second_window_warns_before_it_opens_the_file(start, clock, path):
     second.answer(prompt, "copy")
     assert second.document.path is None
     assert second.document.level.bodies == a_level().bodies
-    actions.file.open_path(second, path)
+    file.open_path(second, path)
     second.answer(second.prompts[-1], "open")
     assert second.document.path == path
 

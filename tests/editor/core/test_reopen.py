@@ -5,7 +5,8 @@ from pathlib import Path
 import pytest
 
 from editor.__main__ import Options, _open_files
-from editor.actions import file, guide, reopen
+from editor.actions import guide
+from editor.actions.files import file, reopen
 from editor.base.settings import Settings, SettingsKeeper
 from editor.documents.autosaves import Autosaves
 from editor.documents.commands.fields import SetField
@@ -97,7 +98,7 @@ def test_a_level_that_ends_the_app_as_it_is_opened_is_not_opened_again(closed, m
         raise SystemExit(1)
 
     with monkeypatch.context() as patch:
-        patch.setattr("editor.actions.reopen.open_quietly", ends)
+        patch.setattr("editor.actions.files.reopen.open_quietly", ends)
         with pytest.raises(SystemExit):
             started()
     assert titles(started()) == [WELCOME]

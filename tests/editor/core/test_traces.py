@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from editor import actions
-from editor.actions import export, run
+from editor.actions import run
+from editor.actions.files import export
 from editor.base.events import DropEvent
 from editor.documents.commands.level import ReplaceLevel
 from editor.play.mode import Mode

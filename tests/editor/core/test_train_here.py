@@ -12,7 +12,8 @@ from pathlib import Path
 import pytest
 
 from editor import actions
-from editor.actions import agents, train
+from editor.actions.training import train
+from editor.actions.watching import agents
 from editor.agents.local_training import LocalTraining, start_process
 from editor.documents.document import Document
 from editor.worker.requests import AgentRef
@@ -45,7 +46,9 @@ class FakeProcess:
 @pytest.fixture
 def began(session, tmp_path, monkeypatch):
     """The processes that were started, as (words, process)."""
-    monkeypatch.setattr("editor.actions.train.user_agents_dir", lambda: tmp_path / "agents")
+    monkeypatch.setattr(
+        "editor.actions.training.train.user_agents_dir", lambda: tmp_path / "agents"
+    )
     started = []
 
     def start(words, log):
@@ -269,7 +272,9 @@ def _with(level, **changes):
 
 @pytest.mark.slow
 def test_what_one_click_begins_does_learn(session, tmp_path, monkeypatch):
-    monkeypatch.setattr("editor.actions.train.user_agents_dir", lambda: tmp_path / "agents")
+    monkeypatch.setattr(
+        "editor.actions.training.train.user_agents_dir", lambda: tmp_path / "agents"
+    )
     session.training = LocalTraining(start_process)
     session.open_tab(Document(load_level("s/goalkeeper")))
     assert actions.run(session, "agent.train_here")

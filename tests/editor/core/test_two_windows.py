@@ -5,6 +5,7 @@ import os
 import pytest
 
 from editor import actions
+from editor.actions.files import file
 from editor.documents.autosaves import Autosaves
 from editor.documents.commands.group import Move
 from editor.session import Session
@@ -24,7 +25,7 @@ def change_outside(path, name="theirs"):
 def opened(*paths):
     session = a_session()
     for path in paths:
-        assert actions.file.open_path(session, path)
+        assert file.open_path(session, path)
     return session
 
 
@@ -70,7 +71,7 @@ def test_a_tab_whose_file_was_replaced_is_asked_about(path, tmp_path):
     actions.run(session, "file.save")
     change_outside(path)
     tab = session.tabs[session.tabs.locate(path)]
-    actions.file.close_tab(session, tab)
+    file.close_tab(session, tab)
     assert session.prompts[-1].title == "Unsaved changes" and tab in session.tabs
     session.answer(session.prompts[-1], "discard")
     assert tab not in session.tabs
@@ -122,7 +123,7 @@ def test_a_file_that_went_just_now_is_asked_about_at_the_end(path):
 def test_which_files_are_open_is_told_once_the_disk_has_room(path, monkeypatch):
     now, told = [0.0], []
     session = Session(autosaves=Autosaves(clock=lambda: now[0]))
-    assert actions.file.open_path(session, path)
+    assert file.open_path(session, path)
 
     def full(path, data):
         raise LevelError(f"{path}: cannot be saved: No space left on device")

@@ -13,9 +13,11 @@ import numpy as np
 import pytest
 
 from editor import actions
-from editor.actions import agents, comparison, measure, physics, watch
-from editor.actions.file import open_path
-from editor.actions.save_table import save_table
+from editor.actions.evaluation import comparison, measure
+from editor.actions.evaluation.save_table import save_table
+from editor.actions.files.file import open_path
+from editor.actions.playing import physics
+from editor.actions.watching import agents, watch
 from editor.agents.evaluation import Plan, best
 from editor.agents.run_watch import RunWatch
 from editor.agents.viewer import mismatch

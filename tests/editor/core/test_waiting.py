@@ -8,7 +8,7 @@ import time
 import pytest
 
 from editor import actions
-from editor.actions import agents
+from editor.actions.watching import agents
 from editor.agents.evaluation import bare_summary
 from editor.base.settings import Settings
 from editor.documents.document import Document

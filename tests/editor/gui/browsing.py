@@ -16,7 +16,7 @@ def mine(tmp_path, monkeypatch):
     folder.mkdir(parents=True)
     for k, name in enumerate(("Hill cart", "Moon cart", "Rocket")):
         save_level(playable(name, 1.0 + 0.3 * k), folder / f"{name.lower().replace(' ', '_')}.json")
-    monkeypatch.setattr("editor.actions.gallery.levels_dir", lambda: tmp_path / "none")
+    monkeypatch.setattr("editor.actions.gallery.gallery.levels_dir", lambda: tmp_path / "none")
     return folder
 
 

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 from imgui_bundle import imgui
 
-from editor.actions import file
+from editor.actions.files import file
 from editor.base import language
 from editor.base.events import FocusEvent, KeyEvent, Pointer, PointerEvent, TextEvent, WheelEvent
 from editor.hosts.headless import HeadlessHost

@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from editor.actions import watch
+from editor.actions.watching import watch
 from editor.agents.curriculum import CurriculumWatch, lineage, why_gone
 from editor.base.settings import Settings
 from editor.session import Session

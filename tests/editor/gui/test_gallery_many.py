@@ -5,7 +5,8 @@ import time
 
 import pytest
 
-from editor.actions import level_sets, quitting
+from editor.actions.files import quitting
+from editor.actions.gallery import level_sets
 from editor.gallery import filing
 from kinetix.errors import LevelError
 from kinetix.level.codec import dumps

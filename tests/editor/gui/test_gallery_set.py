@@ -2,7 +2,8 @@
 
 import pytest
 
-from editor.actions import level_sets, quitting
+from editor.actions.files import quitting
+from editor.actions.gallery import level_sets
 from kinetix.level.codec import save_level
 from kinetix.level.model import Level
 from tests.editor.gui.browsing import settle

@@ -163,7 +163,7 @@ def test_names_of_levels_and_players_are_shown_as_they_are(make_gui, tmp_path, m
     folder = tmp_path / "documents" / "Kinetix"
     folder.mkdir(parents=True)
     save_level(a_level().replace(name="Nob of Quint"), folder / "nob of quint.json")
-    monkeypatch.setattr("editor.actions.gallery.levels_dir", lambda: tmp_path / "none")
+    monkeypatch.setattr("editor.actions.gallery.gallery.levels_dir", lambda: tmp_path / "none")
     gui = make_gui(level=a_level())
     gui.session.playback.simulator = FakeSimulator()
     gui.session.settings.language = "de"

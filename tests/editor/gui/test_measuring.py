@@ -9,9 +9,10 @@ import pytest
 from imgui_bundle import imgui
 
 from editor import actions
-from editor.actions import agents, export
-from editor.actions.comparison import about_comparison, ask_comparison
-from editor.actions.save_table import save_table
+from editor.actions.evaluation.comparison import about_comparison, ask_comparison
+from editor.actions.evaluation.save_table import save_table
+from editor.actions.files import export
+from editor.actions.watching import agents
 from editor.agents.evaluation import Plan
 from editor.agents.metrics import Metrics
 from editor.base import language

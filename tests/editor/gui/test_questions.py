@@ -2,7 +2,7 @@
 
 import pytest
 
-from editor.actions.datasets import about_dataset
+from editor.actions.files.datasets import about_dataset
 from editor.base.prompts import Choice, FileQuestion, Question, TextQuestion
 from editor.base.settings import Settings
 from editor.session import Session

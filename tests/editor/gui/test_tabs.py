@@ -2,7 +2,7 @@
 
 import pytest
 
-from editor.actions import file
+from editor.actions.files import file
 from editor.base import language
 from editor.documents.document import Document
 from kinetix.level.model import Level

@@ -1,6 +1,6 @@
 """Trying a level out: what happens without a plan, which size and agents it fits."""
 
-from editor.actions.compatible import compatible_agents
+from editor.actions.watching.compatible import compatible_agents
 from editor.agents.random_play import Trial, fitting
 from editor.base.settings import Settings
 from editor.session import Session

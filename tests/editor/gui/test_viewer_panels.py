@@ -8,8 +8,10 @@ import pytest
 from imgui_bundle import imgui, implot
 
 from editor import actions
-from editor.actions import agents, export, measure, watch
-from editor.actions.save_table import save_table
+from editor.actions.evaluation import measure
+from editor.actions.evaluation.save_table import save_table
+from editor.actions.files import export
+from editor.actions.watching import agents, watch
 from editor.agents.evaluation import Plan, bare_summary
 from editor.agents.metrics import Metrics
 from editor.base.prompts import Choice, FileQuestion, MenuQuestion

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from editor.actions import agents
+from editor.actions.watching import agents
 from editor.base.settings import Settings
 from editor.gallery.results import Results
 from editor.play.second_player import Follower

@@ -48,7 +48,7 @@ def test_roles_have_the_palettes_colours(run_editor, tmp_path):
 def test_an_event_is_seen_in_the_frame_that_takes_it(home, monkeypatch):
     for name, value in home.items():
         monkeypatch.setenv(name, value)
-    from editor.actions import file
+    from editor.actions.files import file
     from editor.base.events import Pointer, PointerEvent
     from editor.hosts.offscreen import OffscreenHost
     from editor.session import Session

@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING, Final
 
 from imgui_bundle import imgui
 
-from editor.actions import gallery as doing
+from editor.actions.gallery import gallery as doing
 from editor.toolkit.appearance import COLOURS
 from editor.toolkit.guarding import guarded
 from editor.toolkit.textures import TextureStore

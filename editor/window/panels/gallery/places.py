@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING, Final
 
 from imgui_bundle import imgui
 
-from editor.actions import gallery as doing
-from editor.actions import gallery_files, level_sets, train
+from editor.actions.gallery import gallery as doing
+from editor.actions.gallery import gallery_files, level_sets
+from editor.actions.training import train
 from editor.base.language import tr
 from editor.gallery.card import Card
 from editor.gallery.named_levels import set_name

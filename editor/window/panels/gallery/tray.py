@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Final
 
 from imgui_bundle import imgui
 
-from editor.actions import level_sets, unsaved
+from editor.actions.files import unsaved
+from editor.actions.gallery import level_sets
 from editor.base.language import tr
 from editor.gallery.card import Card
 from editor.gallery.export import SetPlan

@@ -3,7 +3,7 @@
 import functools
 from pathlib import Path
 
-from editor.actions.agents import known_agents
+from editor.actions.watching.agents import known_agents
 from editor.agents.viewer import mismatch
 from editor.session import Session
 from editor.worker.requests import BUILT_IN

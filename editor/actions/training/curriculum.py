@@ -1,6 +1,6 @@
 """From the history of a level buffer into the editor: open a level and let the agent play it."""
 
-from editor.actions.agents import load_agent, play_agent
+from editor.actions.watching.agents import load_agent, play_agent
 from editor.documents.document import Document
 from editor.session import Session
 from kinetix.level.model import Level

@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from pathlib import Path
 
-from editor.actions import external_change
+from editor.actions.files import external_change
 from editor.base.prompts import Choice, Question
 from editor.documents.document import Document
 from editor.documents.files import plain_reason

@@ -4,9 +4,10 @@ import contextlib
 from collections.abc import Iterator
 from typing import Final
 
-from editor.actions import export, external_change, many_files, recording
-from editor.actions.file import ask_moment, if_settled, save
-from editor.actions.measure import keep_results
+from editor.actions.evaluation.measure import keep_results
+from editor.actions.files import export, external_change, recording
+from editor.actions.files.file import ask_moment, if_settled, save
+from editor.actions.gallery import many_files
 from editor.base.prompts import Choice, Question
 from editor.session import Session, Tab
 from editor.worker.requests import AddEpisode

@@ -3,8 +3,8 @@
 from collections.abc import Callable
 from pathlib import Path
 
-from editor.actions.comparison import about_comparison
-from editor.actions.unsaved import listed
+from editor.actions.evaluation.comparison import about_comparison
+from editor.actions.files.unsaved import listed
 from editor.base.prompts import FileQuestion
 from editor.session import Session
 from kinetix.agents.stored_comparison import check_replaced

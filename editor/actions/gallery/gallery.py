@@ -5,8 +5,11 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Final
 
-from editor.actions import agents, file, many_files, measure
-from editor.actions.evaluating import if_free
+from editor.actions.evaluation import measure
+from editor.actions.evaluation.evaluating import if_free
+from editor.actions.files import file
+from editor.actions.gallery import many_files
+from editor.actions.watching import agents
 from editor.base.prompts import FileQuestion
 from editor.gallery.card import Card
 from editor.gallery.search import Wish

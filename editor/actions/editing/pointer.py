@@ -3,7 +3,7 @@
 import dataclasses
 from typing import Final
 
-from editor.actions import context
+from editor.actions.editing import context
 from editor.base.camera import ZOOM_NOTCH
 from editor.base.controls import NOOP
 from editor.base.events import LEFT, MIDDLE, RIGHT, PinchEvent, Pointer, PointerEvent, WheelEvent

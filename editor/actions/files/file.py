@@ -6,7 +6,8 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Final
 
-from editor.actions import external_change, folders, moment, save_conflict
+from editor.actions.files import external_change, folders, save_conflict
+from editor.actions.playing import moment
 from editor.base.prompts import Choice, FileQuestion, Question
 from editor.base.wording import UNTITLED
 from editor.documents import files

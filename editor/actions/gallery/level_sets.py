@@ -4,8 +4,8 @@ import os
 from pathlib import Path
 from typing import Final
 
-from editor.actions import file
-from editor.actions import gallery as browsing
+from editor.actions.files import file
+from editor.actions.gallery import gallery as browsing
 from editor.base.prompts import Choice, FileQuestion, Question
 from editor.gallery import filing
 from editor.gallery.export import SetPlan, export_set, unpack

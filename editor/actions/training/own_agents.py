@@ -9,14 +9,14 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any, Final
 
-from editor.actions.agents import (
+from editor.actions.evaluation.measure import add_contender
+from editor.actions.watching.agents import (
     LONGEST_NAME,
     RECENT_AGENTS,
     clear_slot,
     load_agent,
 )
-from editor.actions.measure import add_contender
-from editor.actions.watch import watch_run
+from editor.actions.watching.watch import watch_run
 from editor.agents.folders import agents_in, checkpoints_of
 from editor.agents.local_training import BUSY
 from editor.base.prompts import Choice, MenuQuestion, TextQuestion

@@ -5,8 +5,8 @@ import os
 from pathlib import Path
 from typing import Final
 
-from editor.actions.agents import load_agent
-from editor.actions.measure import keep_results
+from editor.actions.evaluation.measure import keep_results
+from editor.actions.watching.agents import load_agent
 from editor.agents.reasons import OVERLAYS
 from editor.agents.run_watch import RunWatch
 from editor.base.prompts import FileQuestion

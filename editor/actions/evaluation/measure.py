@@ -4,10 +4,10 @@ import os
 from pathlib import Path
 from typing import Final
 
-from editor.actions import file
-from editor.actions.agents import known_agents
-from editor.actions.comparison import present
-from editor.actions.unsaved import tell_unsaved
+from editor.actions.evaluation.comparison import present
+from editor.actions.files import file
+from editor.actions.files.unsaved import tell_unsaved
+from editor.actions.watching.agents import known_agents
 from editor.agents.attempt_paths import Ways
 from editor.agents.evaluation import Plan
 from editor.agents.folders import about_agent

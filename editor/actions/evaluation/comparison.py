@@ -2,8 +2,8 @@
 
 from pathlib import Path
 
-from editor.actions import file
-from editor.actions.evaluating import if_free
+from editor.actions.evaluation.evaluating import if_free
+from editor.actions.files import file
 from editor.agents.evaluation import Plan, bare_summary
 from editor.base.prompts import FileQuestion
 from editor.session import Session

@@ -1,6 +1,7 @@
 """Actions of the Run menu: play, pause, step, reset, stop, edit from here."""
 
-from editor.actions import agents, moment, solution
+from editor.actions.playing import moment, solution
+from editor.actions.watching import agents
 from editor.documents.commands.level import TakePoses
 from editor.documents.document import Document
 from editor.gallery.results import HUMAN

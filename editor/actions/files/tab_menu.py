@@ -1,6 +1,6 @@
 """The menu of a right click on a tab."""
 
-from editor.actions.file import close_tab
+from editor.actions.files.file import close_tab
 from editor.base.camera import Point
 from editor.base.prompts import Choice, MenuQuestion
 from editor.session import Session

@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from editor.actions.file import open_elsewhere
+from editor.actions.files.file import open_elsewhere
 from editor.documents import files
 from editor.session import Session
 from kinetix.errors import LevelError

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any, Final
 
-from editor.actions import file, films, folders
+from editor.actions.files import file, films, folders
 from editor.base.prompts import Choice, FileQuestion, MenuQuestion, Question
 from editor.documents.commands.bodies import posed
 from editor.documents.document import Document

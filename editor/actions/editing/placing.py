@@ -2,7 +2,7 @@
 
 from typing import Final
 
-from editor.actions.edit import PASTE_SHIFT
+from editor.actions.editing.edit import PASTE_SHIFT
 from editor.documents.commands.bodies import AddBody
 from editor.documents.commands.clip import Clip, free_shift
 from editor.editing.tools.rectangle import rectangle

@@ -4,7 +4,9 @@ import contextlib
 import tempfile
 from pathlib import Path
 
-from editor.actions import comparison, export, file, level_sets
+from editor.actions.evaluation import comparison
+from editor.actions.files import export, file
+from editor.actions.gallery import level_sets
 from editor.base.prompts import TextQuestion
 from editor.documents.document import Document
 from editor.play.trace_files import SUFFIX

@@ -4,8 +4,8 @@ import os
 from collections.abc import Callable
 from pathlib import Path
 
-from editor.actions.agents import play_agent
-from editor.actions.file import open_in_front
+from editor.actions.files.file import open_in_front
+from editor.actions.watching.agents import play_agent
 from editor.base.prompts import Choice, MenuQuestion
 from editor.base.wording import title_of
 from editor.documents.commands.base import Command

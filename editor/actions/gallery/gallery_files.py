@@ -3,7 +3,8 @@
 from collections.abc import Generator
 from pathlib import Path
 
-from editor.actions import external_change, gallery, many_files, unsaved
+from editor.actions.files import external_change, unsaved
+from editor.actions.gallery import gallery, many_files
 from editor.base.prompts import FileQuestion, TextQuestion
 from editor.documents.document import Document
 from editor.gallery import filing

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 
-from editor.actions import export
+from editor.actions.files import export
 from editor.base.prompts import Choice, Question
 from editor.play.film_recording import Recording
 from editor.session import Session

@@ -10,10 +10,10 @@ from functools import partial
 from pathlib import Path
 from typing import Final
 
-from editor.actions.agents import LONGEST_NAME, load_agent
-from editor.actions.gallery import chosen_cards
-from editor.actions.measure import steps_in
-from editor.actions.watch import watch_run
+from editor.actions.evaluation.measure import steps_in
+from editor.actions.gallery.gallery import chosen_cards
+from editor.actions.watching.agents import LONGEST_NAME, load_agent
+from editor.actions.watching.watch import watch_run
 from editor.agents.local_training import BUSY, LOG
 from editor.base.wording import title_of
 from editor.gallery.named_levels import set_name

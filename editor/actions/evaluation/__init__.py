@@ -1,0 +1,1 @@
+"""Actions of evaluations: measure agents, compare them, keep the table."""

@@ -1,0 +1,1 @@
+"""Actions of files: open, save, export, record, recover, quit."""

@@ -1,0 +1,1 @@
+"""Actions of the gallery: choose levels, work on their files and sets."""

@@ -1,0 +1,1 @@
+"""Actions of play: start and stop, go back, keep a win, choose the physics."""

@@ -1,0 +1,1 @@
+"""Actions of watching agents: let them play, and views beside the episode."""
