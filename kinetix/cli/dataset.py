@@ -30,8 +30,8 @@ class RecordEpisodes:
 
     out: Annotated[Positional[NamedPath], tyro.conf.arg(metavar="DATASET")]
     """The data set's folder; made where there is none, added to otherwise."""
-    agent: Annotated[str, tyro.conf.arg(metavar="DIR|NAME|noop|random")]
-    """Directory or name of an agent or a training run, or noop, or random."""
+    agent: Annotated[str, tyro.conf.arg(metavar="DIR|NAME|planner|noop|random")]
+    """Directory or name of an agent or a training run, or planner, noop or random."""
     levels: Annotated[tuple[str, ...], tyro.conf.arg(metavar="DIR|FILE|SET …")]
     """Folders of levels, level files, names of bundled levels, level sets."""
     attempts: int = 20

@@ -14,8 +14,10 @@ from editor.documents.document import Document, same_simulation
 from editor.session import Session
 from editor.worker.jobs import Job, JobState
 from editor.worker.requests import MUTATIONS, Mutate, RandomLevel, Request
-from kinetix.errors import CommandError
+from kinetix.errors import CommandError, LevelError
+from kinetix.level.codec import load_document
 from kinetix.level.model import Level
+from kinetix.level.sets import is_set_file
 from kinetix.level.sizes import AUTOMATIC, capacity_of, size_name
 from kinetix.level.validate import has_errors
 
@@ -140,15 +142,35 @@ def neighbour(step: int) -> Callable[[Session], None]:
         path = session.document.path
         if path is None:
             raise CommandError("Save the level first: it has no folder yet.")
-        siblings = sorted(p for p in path.parent.glob("*.json") if os.path.isfile(p))
-        if len(siblings) < 2:
+        target, damaged = _nearest_level(path, step)
+        if damaged:
+            session.toast(
+                f"{', '.join(damaged)}: cannot be opened, and was passed over.", "warning"
+            )
+        if target is None:
             raise CommandError("There is no other level in this folder.")
-        resolved = [p.resolve() for p in siblings]
-        here = resolved.index(path.resolve()) if path.resolve() in resolved else 0
-        target: Path = siblings[(here + step) % len(siblings)]
         playback = session.playback
         watched = playback.active and playback.casting is not None and not session.viewer.by_hand
         if open_in_front(session, target, replace=True) and watched:
             play_agent(session)
 
     return run
+
+
+def _nearest_level(path: Path, step: int) -> tuple[Path | None, list[str]]:
+    """Return the first other level of a folder in one direction, and the bad files before it."""
+    files = sorted(each for each in path.parent.glob("*.json") if os.path.isfile(each))
+    resolved = [each.resolve() for each in files]
+    here = resolved.index(path.resolve()) if path.resolve() in resolved else 0
+    damaged: list[str] = []
+    for k in range(1, len(files)):
+        target = files[(here + k * step) % len(files)]
+        if is_set_file(target):
+            continue
+        try:
+            load_document(target)
+        except LevelError:
+            damaged.append(target.name)
+        else:
+            return target, damaged
+    return None, damaged

@@ -224,7 +224,7 @@ class EvaluatePanel(Panel):
                 session.queue(lambda: ask_save(session))
             widgets.tooltip("Save the table", "CSV, or the lines of kinetix eval --json.")
             if evaluation.cancelled:
-                imgui.same_line()
+                widgets.beside_words("Cancelled; what was done stays.")
                 widgets.muted("Cancelled; what was done stays.")
 
     def _summary(self, session: "Session") -> None:

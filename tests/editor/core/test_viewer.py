@@ -380,6 +380,20 @@ def test_who_watches_an_agent_goes_on_watching_it_in_the_next_level(with_agent, 
     assert with_agent.editing and with_agent.document.title == "a.json"
 
 
+def test_the_next_level_is_the_next_that_can_be_opened(with_agent, tmp_path):
+    for name in ("a", "d"):
+        save_level(a_level().replace(name=name), tmp_path / f"{name}.json")
+    (tmp_path / "b.json").write_text('{"format":')
+    (tmp_path / "c.json").touch()
+    (tmp_path / "e.json").write_text('{"format": "kinetix-levelset", "levels": []}')
+    open_path(with_agent, tmp_path / "a.json")
+    for action, title in (("next", "d"), ("next", "a"), ("previous", "d"), ("previous", "a")):
+        actions.run(with_agent, f"level.{action}")
+        assert with_agent.document.title == f"{title}.json"
+        assert not with_agent.prompts
+    assert any(t.text.startswith("b.json, c.json: cannot be opened") for t in with_agent.toasts)
+
+
 def test_the_agent_plays_and_the_document_stays(with_agent):
     before = with_agent.document.hash
     Hand(with_agent).key("f6")
