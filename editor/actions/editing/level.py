@@ -165,12 +165,11 @@ def _nearest_level(path: Path, step: int) -> tuple[Path | None, list[str]]:
     damaged: list[str] = []
     for k in range(1, len(files)):
         target = files[(here + k * step) % len(files)]
-        if is_set_file(target):
-            continue
         try:
             load_document(target)
         except LevelError:
-            damaged.append(target.name)
+            if not is_set_file(target):
+                damaged.append(target.name)
         else:
             return target, damaged
     return None, damaged

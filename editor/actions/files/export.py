@@ -230,48 +230,57 @@ def has_clip(session: Session) -> bool:
 
 def ask_clip(session: Session) -> None:
     """Film the looped part of the episode, or all of it; asks where to."""
-    _rest(session)
-    playback = session.playback
-    trace, level = playback.trace, playback.level
-    if trace is None or level is None:
-        raise CommandError("Play first: there is nothing to film.")
-    clip = trace if playback.loop is None else trace.part(*playback.loop)
-
-    def write(path: Path) -> None:
-        film(session, level, clip, path)
-
-    session.ask(
-        FileQuestion(
-            purpose="save",
-            title="Export the clip as .gif or .mp4",
-            folder=folders.to_export(session),
-            name=f"{Path(session.document.title).stem}.gif",
-            suffixes=films.SUFFIXES,
-            answer=_remembered(session, write),
-        )
+    _ask_part(
+        session,
+        film,
+        title="Export the clip as .gif or .mp4",
+        refusal="Play first: there is nothing to film.",
+        suffixes=films.SUFFIXES,
     )
 
 
 def ask_page(session: Session) -> None:
     """Ask where the episode shall go as a page that any browser plays."""
+    _ask_part(
+        session,
+        write_page,
+        title="Share the episode as a page",
+        refusal="Play first: there is nothing to share.",
+        suffixes=(PAGE,),
+    )
+
+
+def _ask_part(
+    session: Session,
+    write: Callable[[Session, Level, Trace, Path], object],
+    *,
+    title: str,
+    refusal: str,
+    suffixes: tuple[str, ...],
+) -> None:
+    """Ask where the looped part of the episode shall go, or all of it.
+
+    Raises:
+        CommandError: The refusal, where nothing was played.
+    """
     _rest(session)
     playback = session.playback
     trace, level = playback.trace, playback.level
     if trace is None or level is None:
-        raise CommandError("Play first: there is nothing to share.")
+        raise CommandError(refusal)
     clip = trace if playback.loop is None else trace.part(*playback.loop)
 
-    def write(path: Path) -> None:
-        write_page(session, level, clip, path)
+    def answer(path: Path) -> None:
+        write(session, level, clip, path)
 
     session.ask(
         FileQuestion(
             purpose="save",
-            title="Share the episode as a page",
+            title=title,
             folder=folders.to_export(session),
-            name=f"{Path(session.document.title).stem}{PAGE}",
-            suffixes=(PAGE,),
-            answer=_remembered(session, write),
+            name=f"{Path(session.document.title).stem}{suffixes[0]}",
+            suffixes=suffixes,
+            answer=_remembered(session, answer),
         )
     )
 
