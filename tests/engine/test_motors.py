@@ -38,3 +38,19 @@ def test_between_narrow_limits_a_motor_is_as_strong_in_both_directions():
         right, left = (m.rotation[-1, 1] for m in run_trials(trials, PRESETS[physics]))
         np.testing.assert_allclose(right, -left, atol=1e-5)
         assert 0.03 < right < 0.051
+
+
+def test_a_limit_stops_an_arm_that_a_strong_motor_drives_into_it():
+    """The arm stays there: a limit that stopped it for another motor would throw it back."""
+    levels = [
+        arm(speed, (-0.1, 1.6), power=power, gravity=-9.81)
+        for speed in (1, 3, 5)
+        for power in (1, 5, 10, 20)
+    ]
+    trials = [Trial(level=level, duration=1.5, motor=1.0) for level in levels]
+    for physics in ("fast", "balanced"):
+        for motion in run_trials(trials, PRESETS[physics]):
+            spin = motion.angular_velocity[:, 1]
+            fastest = np.argmax(spin)
+            assert spin[fastest] > 5
+            assert spin[fastest:].min() > -0.5

@@ -209,7 +209,7 @@ def _responses(
         The change of all velocities, the joints' answers, what these do to the row itself, and
         what a tangent row does to its normal row.
     """
-    store, masses = step.store, step.masses
+    store, masses, live = step.store, step.masses, step.held.live
     worlds, bodies = rows.turn_a.shape[-1], masses.angular.shape[0]
     nothing = jnp.zeros((len(rows.turn_a), 3, bodies - ARENA_BODIES, worlds), rows.turn_a.dtype)
     still = jnp.zeros_like(masses.angular)
@@ -221,9 +221,9 @@ def _responses(
         responses, answers, answered, by_other = carry
         one = one_row(rows, k)
         moved = apply(one, unit, at_rest, masses)
-        if joints.live.shape[0]:
-            pull = store(jnp.where(joints.live, coupling(joints.rows, one)[:, 0], 0))
-            given = store(jnp.where(joints.live, answering.product(joints.answers, pull), 0))
+        if live.shape[0]:
+            pull = store(jnp.where(live, coupling(joints.rows, one)[:, 0], 0))
+            given = store(jnp.where(live, answering.product(joints.answers, pull), 0))
             moved = apply(joints.rows, given, moved, masses)
             answers = put(answers, given[None], k, 0)
             answered = put(answered, answering.inner(pull, given)[None], k, 0)
@@ -238,7 +238,7 @@ def _responses(
         )
 
     none = jnp.zeros_like(rows.turn_a)
-    unanswered = jnp.zeros((len(none), *joints.live.shape), none.dtype)
+    unanswered = jnp.zeros((len(none), *live.shape), none.dtype)
     start = (nothing, unanswered, none, none)
     of_rows, answers, answered, by_other = rows.links.in_use.each(visit, start)
     return of_rows, answers, answered, by_other

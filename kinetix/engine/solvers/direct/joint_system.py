@@ -12,7 +12,7 @@ from jaxtyping import Array, Bool, Float, Int
 
 from kinetix.engine import constants
 from kinetix.engine.active_rows import InUse
-from kinetix.engine.actuators import Motors, motor_row, motors
+from kinetix.engine.actuators import motor_row, motors
 from kinetix.engine.joints import joint_acts
 from kinetix.engine.maths import Vec, rotate, vec
 from kinetix.engine.solvers.rows import (
@@ -33,7 +33,7 @@ from kinetix.engine.solvers.rows import (
 )
 from kinetix.engine.spec import Features
 from kinetix.engine.store import Store
-from kinetix.engine.types import Control, Parameters, World
+from kinetix.engine.types import Control, Parameters, State, World
 from kinetix.pytree import pytree, static
 
 
@@ -47,13 +47,8 @@ class JointSystem:
     rows: Rows
     answers: Float[Array, "k k n"]
     """Impulses that answer the rows' speeds: minus the inverse of the rows' coupling."""
-    live: Bool[Array, "k n"]
     error: Float[Array, "k n"]
     """Errors that the rows should bring to zero: gap [m], angle [rad]; 0 for motors."""
-    wanted: Float[Array, "k n"]
-    """Speed that a motor wants [rad/s]; 0 for the rest."""
-    compliance: Float[Array, "k n"]
-    """Of motor rows: relative speed error left per unit of impulse; 0 for the rest."""
     arm_a: Vec
     arm_b: Vec
 
@@ -66,8 +61,10 @@ class Held:
     rows: Rows
     """Without the arms, which change with the pose."""
     live: Bool[Array, "k n"]
-    """Rows that hold whatever a motor does."""
-    motors: Motors
+    wanted: Float[Array, "k n"]
+    """Speed that a motor wants [rad/s]; 0 for the rest."""
+    compliance: Float[Array, "k n"]
+    """Of motor rows: relative speed error left per unit of impulse; 0 for the rest."""
     loose: Float[Array, "j n"]
     """The smaller value of its two bodies (`Step.loose`)."""
     turn: Float[Array, "j n"]
@@ -107,24 +104,57 @@ def joint_links(world: World, features: Features) -> Links:
     return Links(body_a=joints.body_a, body_b=joints.body_b, in_use=in_use)
 
 
+def motor_rows(
+    world: World,
+    links: Links,
+    state: State,
+    control: Control,
+    parameters: Parameters,
+    duration: Float[Array, " n"],
+    features: Features,
+) -> tuple[Float[Array, "j n"], Float[Array, "j n"]]:
+    """Return each motor's speed [rad/s], and its compliance for a whole step (0 where none runs).
+
+    Contacts and limits are prepared for joints with these motors. If a motor let go later in the
+    step, the limit that stops its arm would throw the arm back.
+
+    Args:
+        world: The worlds.
+        links: The joints' bodies, from `joint_links`.
+        state: At the start of the step.
+        control: What drives the motors.
+        parameters: The constants of their law.
+        duration: For how long they act in one solve [s].
+        features: Features that the scene uses.
+    """
+    joints = world.joints
+    if not features.motors:
+        none = jnp.zeros_like(joints.reference_angle)
+        return none, none
+    (angle_a, spin_a), (angle_b, spin_b) = links.look_up((state.rotation, state.angular_velocity))
+    angle, spin = angle_b - angle_a - joints.reference_angle, spin_b - spin_a
+    action = control.motor
+    return motor_row(world, motors(world, action), angle, spin, action, parameters, duration)
+
+
 def held(
     world: World,
-    control: Control,
     links: Links,
     masses: Masses,
     loose: Float[Array, "b n"],
     turn: Float[Array, "j n"],
+    motor: tuple[Float[Array, "j n"], Float[Array, "j n"]],
     store: Store,
 ) -> Held:
-    """Return the parts of a step's joints that do not depend on poses.
+    """Return the parts of a step's joints that do not change within it.
 
     Args:
         world: The worlds.
-        control: What drives them.
         links: The joints' bodies, from `joint_links`.
         masses: Inverse masses that the solver uses.
         loose: See `Step`.
         turn: See `Held`.
+        motor: From `motor_rows`.
         store: Keeps intermediate results.
     """
     joints = world.joints
@@ -136,47 +166,39 @@ def held(
         turning(zero + 1),
     ]
     ((_, each),) = links.in_use.groups
-    acts = joint_acts(world)
+
+    def column(x: Array, y: Array, turn: Array) -> Array:
+        return store(jnp.concatenate([x, y, turn][:each], axis=0))
+
+    acts, (wanted, compliance) = joint_acts(world), motor
     return Held(
         acts=acts,
         rows=make_rows(links, links.look_up(masses), directions[:each], store),
-        live=store(jnp.concatenate([acts, acts, acts & joints.fixed][:each], axis=0)),
-        motors=store(motors(world, control.motor)),
+        live=column(acts, acts, acts & (joints.fixed | (compliance > 0))),
+        wanted=column(zero, zero, wanted),
+        compliance=column(zero, zero, compliance),
         loose=jnp.minimum(*links.look_up(loose)),
         turn=turn,
     )
 
 
-def joint_system(
-    step: Step,
-    position: Vec,
-    rotation: Float[Array, "b n"],
-    velocity: Velocity,
-    duration: Float[Array, " n"],
-) -> JointSystem:
-    """Return the joints at a pose.
+def joint_system(step: Step, position: Vec, rotation: Float[Array, "b n"]) -> JointSystem:
+    """Return the joints at a pose, ready to be solved.
 
     Args:
         step: The worlds, what drives them, and the masses.
         position: Of all bodies [m].
         rotation: Of all bodies [rad].
-        velocity: Velocities of all bodies, for the distance of the motors from their target.
-        duration: For how long the motors act in one solve [s].
-
-    Returns:
-        The system, ready to be solved.
     """
-    world, held, store = step.world, step.held, step.store
-    joints, in_use = world.joints, held.links.in_use
+    held, store, joints = step.held, step.store, step.world.joints
+    in_use = held.links.in_use
     ((_, each),) = in_use.groups
-    (place_a, angle_a, spin_a), (place_b, angle_b, spin_b) = held.links.look_up(
-        (position, rotation, velocity.angular)
-    )
+    (place_a, angle_a), (place_b, angle_b) = held.links.look_up((position, rotation))
     arm_a = rotate(jnp.cos(angle_a), jnp.sin(angle_a), vec(joints.anchor_a))
     arm_b = rotate(jnp.cos(angle_b), jnp.sin(angle_b), vec(joints.anchor_b))
     gap = place_b - place_a + arm_b - arm_a
-    angle = angle_b - angle_a - joints.reference_angle
-    zero, one = jnp.zeros_like(angle), jnp.ones_like(angle)
+    angle = jnp.where(joints.fixed, angle_b - angle_a - joints.reference_angle, 0)
+    one = jnp.ones_like(angle)
 
     def column(x: Array, y: Array, turn: Array) -> Array:
         return jnp.concatenate([x, y, turn][:each], axis=0)
@@ -184,44 +206,21 @@ def joint_system(
     turn_a, turn_b = column(-arm_a.y, arm_a.x, one), column(-arm_b.y, arm_b.x, one)
     arm_a, arm_b, gap, angle, turn_a, turn_b = store((arm_a, arm_b, gap, angle, turn_a, turn_b))
     rows = dataclasses.replace(held.rows, turn_a=turn_a, turn_b=turn_b)
-    wanted, compliance, live = zero, zero, held.live
-    if step.features.motors:
-        wanted, compliance = motor_row(
-            world,
-            held.motors,
-            angle,
-            spin_b - spin_a,
-            step.control.motor,
-            step.parameters,
-            duration,
-        )
-        never = jnp.zeros_like(held.acts)
-        live |= column(never, never, held.acts & (compliance > 0))
-    wanted, compliance = column(zero, zero, wanted), column(zero, zero, compliance)
-    error = column(gap.x, gap.y, jnp.where(joints.fixed, angle, 0))
-    live, wanted, compliance, error = store((live, wanted, compliance, jnp.where(live, error, 0)))
+    error = store(jnp.where(held.live, column(gap.x, gap.y, angle), 0))
     mobility = diagonal(rows)
-    yielding = mobility * constants.JOINT_REGULARISATION + compliance
-    own = store(jnp.where(live, mobility + yielding, 1))
+    yielding = mobility * constants.JOINT_REGULARISATION + held.compliance
+    own = store(jnp.where(held.live, mobility + yielding, 1))
 
     def fill(k: Int[Array, ""], matrix: Float[Array, "k k n"]) -> Float[Array, "k k n"]:
-        return put_coupling(matrix, k, coupling(one_row(rows, k), rows), live, own, store)
+        return put_coupling(matrix, k, coupling(one_row(rows, k), rows), held.live, own, store)
 
-    nothing = jnp.zeros((live.shape[0], *live.shape), own.dtype)
-    return JointSystem(
-        rows=rows,
-        answers=minus_inverse(
-            in_use.each(fill, nothing),
-            store(constants.LEAST_PIVOT * (mobility + compliance)),
-            in_use,
-        ),
-        live=live,
-        error=error,
-        wanted=wanted,
-        compliance=compliance,
-        arm_a=arm_a,
-        arm_b=arm_b,
+    nothing = jnp.zeros((held.live.shape[0], *held.live.shape), own.dtype)
+    answers = minus_inverse(
+        in_use.each(fill, nothing),
+        store(constants.LEAST_PIVOT * (mobility + held.compliance)),
+        in_use,
     )
+    return JointSystem(rows=rows, answers=answers, error=error, arm_a=arm_a, arm_b=arm_b)
 
 
 def project(
@@ -243,12 +242,13 @@ def project(
     Returns:
         Velocities after, and the rows' total impulses.
     """
-    if system.live.shape[0] == 0:
+    held = step.held
+    if held.live.shape[0] == 0:
         return velocity, impulse
-    residual = speeds(system.rows, velocity) - system.wanted + bias + system.compliance * impulse
-    residual = jnp.where(system.live, residual, 0)
-    in_use = system.rows.links.in_use
-    gained = jnp.where(system.live, in_use.product(system.answers, residual), 0)
+    residual = speeds(system.rows, velocity) - held.wanted + bias + held.compliance * impulse
+    residual = jnp.where(held.live, residual, 0)
+    in_use = held.links.in_use
+    gained = jnp.where(held.live, in_use.product(system.answers, residual), 0)
     return apply(system.rows, gained, velocity, step.masses), impulse + gained
 
 
@@ -294,7 +294,7 @@ def curvature(
     foreseen = (carried + (own - carried) * (loose * calm)) * (1 / duration)
     turns = jnp.zeros_like(system.error[2 * foreseen.x.shape[0] :])
     rows = jnp.concatenate([foreseen.x, foreseen.y, turns], axis=0)
-    return jnp.where(system.live, rows, 0)
+    return jnp.where(step.held.live, rows, 0)
 
 
 def _common(a: Float[Array, "j n"], b: Float[Array, "j n"]) -> Float[Array, "j n"]:
@@ -325,7 +325,7 @@ def settle(step: Step, system: JointSystem) -> tuple[JointSystem, Velocity]:
     kept = jnp.clip(1 - (1 - step.held.loose) / constants.SETTLED, 0, 1)
     left = system.error * jnp.concatenate([kept] * each, axis=0)
     left = jnp.clip(left, -constants.JOINT_SLIP, constants.JOINT_SLIP)
-    gained = jnp.where(system.live, in_use.product(system.answers, system.error - left), 0)
+    gained = jnp.where(step.held.live, in_use.product(system.answers, system.error - left), 0)
     move = apply(system.rows, gained, still, step.masses)
     most = jnp.max(jnp.abs(move.angular), axis=0)
     move = move * jnp.minimum(1, constants.MOST_MENDING_TURN / jnp.maximum(most, 1e-9))

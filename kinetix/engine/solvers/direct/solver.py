@@ -32,6 +32,7 @@ from kinetix.engine.solvers.direct.joint_system import (
     held,
     joint_links,
     joint_system,
+    motor_rows,
     project,
     settle,
 )
@@ -111,12 +112,13 @@ class Direct(AbstractSolver):
         force = (bias_impulse + relax_impulse)[: found.points.key.shape[0]] / h
         bears = store(borne(world, found, force))
         masses, loose = store(effective_masses(world, state, links, bears, h, self.substeps))
+        motor = motor_rows(world, links, state, control, parameters, h / 2, spec.features)
         this = Step(
             world=world,
             control=control,
             parameters=parameters,
             masses=masses,
-            held=held(world, control, links, masses, loose, state.cache.joint_turn, store),
+            held=held(world, links, masses, loose, state.cache.joint_turn, motor, store),
             loose=loose,
             pivoted=store(pivoted(world, links)),
             store=store,
@@ -124,7 +126,7 @@ class Direct(AbstractSolver):
         )
         velocity = Velocity(linear=vec(state.velocity), angular=state.angular_velocity)
         position = vec(state.position)
-        joints = joint_system(this, position, state.rotation, velocity, h / 2)
+        joints = joint_system(this, position, state.rotation)
         system, gap = contact_system(this, state, found, joints, self.block, bears)
         start = Phase(
             position=position,
@@ -177,7 +179,7 @@ class Direct(AbstractSolver):
 
         # Relax: the other half, then velocities that satisfy everything as it stands.
         velocity = _kick(velocity, _acceleration(step, rotation), h / 2)
-        joints = joint_system(step, position, rotation, velocity, h / 2)
+        joints = joint_system(step, position, rotation)
         joints, mend = settle(step, joints)
         position, rotation = position + mend.linear, rotation + mend.angular
         gap = phase.gap + speeds(system.gaps, move + mend)
