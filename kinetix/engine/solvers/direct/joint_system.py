@@ -12,9 +12,9 @@ from jaxtyping import Array, Bool, Float, Int
 
 from kinetix.engine import constants
 from kinetix.engine.active_rows import InUse
-from kinetix.engine.actuators import motor_row, motors
 from kinetix.engine.joints import joint_acts
 from kinetix.engine.maths import Vec, rotate, vec
+from kinetix.engine.solvers.direct.motor_rows import MotorRows
 from kinetix.engine.solvers.rows import (
     Links,
     Masses,
@@ -33,7 +33,7 @@ from kinetix.engine.solvers.rows import (
 )
 from kinetix.engine.spec import Features
 from kinetix.engine.store import Store
-from kinetix.engine.types import Control, Parameters, State, World
+from kinetix.engine.types import Control, Parameters, World
 from kinetix.pytree import pytree, static
 
 
@@ -49,6 +49,8 @@ class JointSystem:
     """Impulses that answer the rows' speeds: minus the inverse of the rows' coupling."""
     error: Float[Array, "k n"]
     """Errors that the rows should bring to zero: gap [m], angle [rad]; 0 for motors."""
+    compliance: Float[Array, "k n"]
+    """Of motor rows: relative speed error left per unit of impulse; 0 for the rest."""
     arm_a: Vec
     arm_b: Vec
 
@@ -63,8 +65,8 @@ class Held:
     live: Bool[Array, "k n"]
     wanted: Float[Array, "k n"]
     """Speed that a motor wants [rad/s]; 0 for the rest."""
-    compliance: Float[Array, "k n"]
-    """Of motor rows: relative speed error left per unit of impulse; 0 for the rest."""
+    motors: MotorRows | None
+    """None in scenes without any."""
     loose: Float[Array, "j n"]
     """The smaller value of its two bodies (`Step.loose`)."""
     turn: Float[Array, "j n"]
@@ -104,46 +106,13 @@ def joint_links(world: World, features: Features) -> Links:
     return Links(body_a=joints.body_a, body_b=joints.body_b, in_use=in_use)
 
 
-def motor_rows(
-    world: World,
-    links: Links,
-    state: State,
-    control: Control,
-    parameters: Parameters,
-    duration: Float[Array, " n"],
-    features: Features,
-) -> tuple[Float[Array, "j n"], Float[Array, "j n"]]:
-    """Return each motor's speed [rad/s], and its compliance for a whole step (0 where none runs).
-
-    Contacts and limits are prepared for joints with these motors. If a motor let go later in the
-    step, the limit that stops its arm would throw the arm back.
-
-    Args:
-        world: The worlds.
-        links: The joints' bodies, from `joint_links`.
-        state: At the start of the step.
-        control: What drives the motors.
-        parameters: The constants of their law.
-        duration: For how long they act in one solve [s].
-        features: Features that the scene uses.
-    """
-    joints = world.joints
-    if not features.motors:
-        none = jnp.zeros_like(joints.reference_angle)
-        return none, none
-    (angle_a, spin_a), (angle_b, spin_b) = links.look_up((state.rotation, state.angular_velocity))
-    angle, spin = angle_b - angle_a - joints.reference_angle, spin_b - spin_a
-    action = control.motor
-    return motor_row(world, motors(world, action), angle, spin, action, parameters, duration)
-
-
 def held(
     world: World,
     links: Links,
     masses: Masses,
     loose: Float[Array, "b n"],
     turn: Float[Array, "j n"],
-    motor: tuple[Float[Array, "j n"], Float[Array, "j n"]],
+    motors: MotorRows | None,
     store: Store,
 ) -> Held:
     """Return the parts of a step's joints that do not change within it.
@@ -154,7 +123,7 @@ def held(
         masses: Inverse masses that the solver uses.
         loose: See `Step`.
         turn: See `Held`.
-        motor: From `motor_rows`.
+        motors: From `motor_rows`.
         store: Keeps intermediate results.
     """
     joints = world.joints
@@ -170,35 +139,45 @@ def held(
     def column(x: Array, y: Array, turn: Array) -> Array:
         return store(jnp.concatenate([x, y, turn][:each], axis=0))
 
-    acts, (wanted, compliance) = joint_acts(world), motor
+    acts = joint_acts(world)
+    turns, wanted = acts & joints.fixed, zero
+    if motors is not None:
+        turns, wanted = turns | (acts & (motors.compliance > 0)), motors.wanted
     return Held(
         acts=acts,
         rows=make_rows(links, links.look_up(masses), directions[:each], store),
-        live=column(acts, acts, acts & (joints.fixed | (compliance > 0))),
+        live=column(acts, acts, turns),
         wanted=column(zero, zero, wanted),
-        compliance=column(zero, zero, compliance),
+        motors=motors,
         loose=jnp.minimum(*links.look_up(loose)),
         turn=turn,
     )
 
 
-def joint_system(step: Step, position: Vec, rotation: Float[Array, "b n"]) -> JointSystem:
+def joint_system(
+    step: Step, position: Vec, rotation: Float[Array, "b n"], spin: Float[Array, "b n"]
+) -> JointSystem:
     """Return the joints at a pose, ready to be solved.
 
     Args:
         step: The worlds, what drives them, and the masses.
         position: Of all bodies [m].
         rotation: Of all bodies [rad].
+        spin: Angular velocity of all bodies [rad/s].
     """
     held, store, joints = step.held, step.store, step.world.joints
     in_use = held.links.in_use
     ((_, each),) = in_use.groups
-    (place_a, angle_a), (place_b, angle_b) = held.links.look_up((position, rotation))
+    (place_a, angle_a, spin_a), (place_b, angle_b, spin_b) = held.links.look_up(
+        (position, rotation, spin)
+    )
     arm_a = rotate(jnp.cos(angle_a), jnp.sin(angle_a), vec(joints.anchor_a))
     arm_b = rotate(jnp.cos(angle_b), jnp.sin(angle_b), vec(joints.anchor_b))
     gap = place_b - place_a + arm_b - arm_a
-    angle = jnp.where(joints.fixed, angle_b - angle_a - joints.reference_angle, 0)
-    one = jnp.ones_like(angle)
+    angle = angle_b - angle_a - joints.reference_angle
+    zero, one = jnp.zeros_like(angle), jnp.ones_like(angle)
+    compliance = zero if held.motors is None else held.motors.later(angle, spin_b - spin_a)
+    angle = jnp.where(joints.fixed, angle, 0)
 
     def column(x: Array, y: Array, turn: Array) -> Array:
         return jnp.concatenate([x, y, turn][:each], axis=0)
@@ -207,8 +186,9 @@ def joint_system(step: Step, position: Vec, rotation: Float[Array, "b n"]) -> Jo
     arm_a, arm_b, gap, angle, turn_a, turn_b = store((arm_a, arm_b, gap, angle, turn_a, turn_b))
     rows = dataclasses.replace(held.rows, turn_a=turn_a, turn_b=turn_b)
     error = store(jnp.where(held.live, column(gap.x, gap.y, angle), 0))
+    compliance = store(column(zero, zero, compliance))
     mobility = diagonal(rows)
-    yielding = mobility * constants.JOINT_REGULARISATION + held.compliance
+    yielding = mobility * constants.JOINT_REGULARISATION + compliance
     own = store(jnp.where(held.live, mobility + yielding, 1))
 
     def fill(k: Int[Array, ""], matrix: Float[Array, "k k n"]) -> Float[Array, "k k n"]:
@@ -217,10 +197,17 @@ def joint_system(step: Step, position: Vec, rotation: Float[Array, "b n"]) -> Jo
     nothing = jnp.zeros((held.live.shape[0], *held.live.shape), own.dtype)
     answers = minus_inverse(
         in_use.each(fill, nothing),
-        store(constants.LEAST_PIVOT * (mobility + held.compliance)),
+        store(constants.LEAST_PIVOT * (mobility + compliance)),
         in_use,
     )
-    return JointSystem(rows=rows, answers=answers, error=error, arm_a=arm_a, arm_b=arm_b)
+    return JointSystem(
+        rows=rows,
+        answers=answers,
+        error=error,
+        compliance=compliance,
+        arm_a=arm_a,
+        arm_b=arm_b,
+    )
 
 
 def project(
@@ -245,7 +232,7 @@ def project(
     held = step.held
     if held.live.shape[0] == 0:
         return velocity, impulse
-    residual = speeds(system.rows, velocity) - held.wanted + bias + held.compliance * impulse
+    residual = speeds(system.rows, velocity) - held.wanted + bias + system.compliance * impulse
     residual = jnp.where(held.live, residual, 0)
     in_use = held.links.in_use
     gained = jnp.where(held.live, in_use.product(system.answers, residual), 0)

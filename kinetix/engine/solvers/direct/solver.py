@@ -32,11 +32,11 @@ from kinetix.engine.solvers.direct.joint_system import (
     held,
     joint_links,
     joint_system,
-    motor_rows,
     project,
     settle,
 )
 from kinetix.engine.solvers.direct.masses import borne, effective_masses, pivoted
+from kinetix.engine.solvers.direct.motor_rows import motor_rows
 from kinetix.engine.solvers.direct.phase import Phase, before_walls
 from kinetix.engine.solvers.room import usual_room
 from kinetix.engine.solvers.rows import Velocity, speeds
@@ -112,13 +112,15 @@ class Direct(AbstractSolver):
         force = (bias_impulse + relax_impulse)[: found.points.key.shape[0]] / h
         bears = store(borne(world, found, force))
         masses, loose = store(effective_masses(world, state, links, bears, h, self.substeps))
-        motor = motor_rows(world, links, state, control, parameters, h / 2, spec.features)
+        driven = None
+        if spec.features.motors:
+            driven = motor_rows(world, links, state, control, parameters, h / 2, store)
         this = Step(
             world=world,
             control=control,
             parameters=parameters,
             masses=masses,
-            held=held(world, links, masses, loose, state.cache.joint_turn, motor, store),
+            held=held(world, links, masses, loose, state.cache.joint_turn, driven, store),
             loose=loose,
             pivoted=store(pivoted(world, links)),
             store=store,
@@ -126,7 +128,7 @@ class Direct(AbstractSolver):
         )
         velocity = Velocity(linear=vec(state.velocity), angular=state.angular_velocity)
         position = vec(state.position)
-        joints = joint_system(this, position, state.rotation)
+        joints = joint_system(this, position, state.rotation, velocity.angular)
         system, gap = contact_system(this, state, found, joints, self.block, bears)
         start = Phase(
             position=position,
@@ -179,7 +181,7 @@ class Direct(AbstractSolver):
 
         # Relax: the other half, then velocities that satisfy everything as it stands.
         velocity = _kick(velocity, _acceleration(step, rotation), h / 2)
-        joints = joint_system(step, position, rotation)
+        joints = joint_system(step, position, rotation, velocity.angular)
         joints, mend = settle(step, joints)
         position, rotation = position + mend.linear, rotation + mend.angular
         gap = phase.gap + speeds(system.gaps, move + mend)
