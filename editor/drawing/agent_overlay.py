@@ -38,7 +38,7 @@ _AT_REST: Final[Rgba] = (0.45, 0.48, 0.54, 1.0)
 _WIDTH: Final = 214.0
 _APART: Final = "    "
 _LEAST: Final = 128.0
-"""In less room beside the arena the plate stands over it [px at 100 %]."""
+"""In less room beside the arena the plate stands over it, or nowhere [px at 100 %]."""
 
 
 def lean_colour(value: float) -> Rgba:
@@ -135,10 +135,12 @@ def paint_ghost(painter: Painter, level: Level, solid: Snapshot, snapshot: Snaps
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Room:
-    """Room for the plate around the arena that is nearest to it."""
+    """Room for the plate around its player's arena."""
 
     beside: float
-    """Width between the arena and the canvas's right edge [px]."""
+    """Width between the arena and the right edge of the player's part of the canvas [px]."""
+    across: float
+    """Width between what else is said of the episode and that edge [px]."""
     above: float
     """Height between the arena and the plate's upper edge, negative where it begins lower [px]."""
     over: float
@@ -153,7 +155,7 @@ def paint_numbers(session: "Session", draw: imgui.ImDrawList, corner: Point, *, 
         draw: Where to draw.
         corner: Upper right corner of the plate [px].
         room: The plate is made narrower for the width beside the arena, within reason, else lower
-            for the height above it; where it has to stand over an arena it has fewer bars, so that
+            for the height above it; where it has to stand over the arena it has fewer bars, so that
             it covers a part of it alone, or is left out.
     """
     playback = session.playback
@@ -234,8 +236,9 @@ def _plate(
         step = imgui.get_text_line_height() + px(4)
         wide = max([imgui.calc_text_size(words).x for words, _ in lines] + [px(_WIDTH)]) + px(20)
         beside = room.beside >= px(_LEAST)
-        if beside:
-            wide = min(wide, room.beside)
+        wide = min(wide, room.beside if beside else room.across)
+        if wide < px(_LEAST):
+            return
         lines = [(part, c) for words, c in lines for part in _fitted(words, wide - px(20))]
         if not beside:
             fits_above = len(lines) * step + px(14) <= room.above

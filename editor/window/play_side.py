@@ -82,7 +82,7 @@ class _Column:
 
 def paint_side(
     session: "Session", draw: imgui.ImDrawList, area: tuple[Point, Point], *, split: bool
-) -> None:
+) -> float:
     """Draw the column.
 
     Args:
@@ -90,6 +90,9 @@ def paint_side(
         draw: Where to draw.
         area: Upper left corner and size of the canvas [px].
         split: Whether two players share the canvas, so that nothing is free beside the arena.
+
+    Returns:
+        How far it reaches to the right [px].
     """
     (x, y), (width, height) = area
     corner = session.camera.to_screen((ARENA[0][0], ARENA[1][1]))
@@ -115,6 +118,7 @@ def paint_side(
     else:
         column.underlay(top)
     draw.channels_merge()
+    return column.reach[0]
 
 
 def _badge(session: "Session", column: _Column) -> None:

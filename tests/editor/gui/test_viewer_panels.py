@@ -219,21 +219,19 @@ def test_the_plate_covers_no_narrow_canvas(with_agent, monkeypatch, size, shown)
 
 
 @pytest.mark.parametrize("compare", ["off", "side"])
-def test_the_plate_knows_the_room_around_the_arena_that_is_nearest(
-    with_agent, monkeypatch, compare
-):
-    session, rooms = with_agent.session, []
-    monkeypatch.setattr(canvas, "paint_numbers", lambda *_, room: rooms.append(room))
+def test_the_plate_stands_at_the_right_of_its_players_arena(with_agent, monkeypatch, compare):
+    session, plates = with_agent.session, []
+    monkeypatch.setattr(canvas, "paint_numbers", lambda *args, room: plates.append((args[2], room)))
     session.viewer.slots["b"].summary = a_summary("Other")
     session.viewer.compare = compare
     with_agent.key("f6")
     with_agent.frames(20)
-    left, width = session.camera.origin[0], session.camera.size[0]
-    shift = width if compare == "side" else 0.0
-    edge = left + shift + width  # of the canvas
+    edge = session.camera.origin[0] + session.camera.size[0]  # of its part of the canvas
     nearest = session.camera.to_screen((5.0, 5.0))
-    room = rooms[-1]
-    assert 0 < edge - (nearest[0] + shift) - room.beside < 30
+    (right, _), room = plates[-1]
+    assert 0 < edge - right < 15
+    assert 0 < edge - nearest[0] - room.beside < 30
+    assert 0 < room.across < session.camera.size[0]
     assert abs(session.camera.origin[1] + room.above - nearest[1]) < 15
 
 
