@@ -303,6 +303,29 @@ def test_each_of_two_players_has_its_own_verdict(with_agent, monkeypatch, compar
         assert detail.startswith(words)
 
 
+@pytest.mark.parametrize("size", [(1600, 1000), (640, 480)])
+def test_what_is_said_of_the_end_covers_no_more_than_a_third_of_an_arena(
+    with_agent, monkeypatch, size
+):
+    session, plates = with_agent.session, []
+    session.playback.simulator.ends_at = session.viewer.rival.simulator.ends_at = 5
+    session.viewer.slots["b"].summary = a_summary("Other")
+    session.viewer.compare = "side"
+    underlay = play_side._Column.underlay
+
+    def noted(column, top):
+        plates.append((column.reach[0] - column.x) * (column.reach[1] - top))
+        underlay(column, top)
+
+    monkeypatch.setattr(play_side._Column, "underlay", noted)
+    with_agent.host.size = size
+    with_agent.key("f6")
+    with_agent.frames(60)
+    assert session.mode is Mode.ENDED
+    left, right = (session.camera.to_screen((x, 0.0))[0] for x in (0.0, 5.0))
+    assert max(plates[-2:]) < (right - left) ** 2 / 3
+
+
 def test_it_is_said_in_its_half_how_far_the_second_player_is_that_plays_on(with_agent, monkeypatch):
     session = with_agent.session
     session.playback.simulator.ends_at = 5
