@@ -15,9 +15,11 @@ from editor.actions.watching import agents, watch
 from editor.agents.evaluation import Plan, bare_summary
 from editor.agents.metrics import Metrics
 from editor.base.prompts import Choice, FileQuestion, MenuQuestion
+from editor.drawing import agent_overlay
 from editor.drawing.agent_overlay import most_entropy, value_range
 from editor.drawing.futures_overlay import futures_of, outlook, paint_futures
 from editor.play.mode import Mode
+from editor.toolkit.widgets import px
 from editor.window import canvas, play_side
 from editor.window.file_choice import nothing_here
 from editor.window.panels import timeline
@@ -233,6 +235,22 @@ def test_the_plate_stands_at_the_right_of_its_players_arena(with_agent, monkeypa
     assert 0 < edge - nearest[0] - room.beside < 30
     assert 0 < room.across < session.camera.size[0]
     assert abs(session.camera.origin[1] + room.above - nearest[1]) < 15
+
+
+@pytest.mark.parametrize("size", [(1280, 800), (800, 600), (720, 500)])
+def test_the_bars_of_the_plate_can_be_read(with_agent, monkeypatch, size):
+    session, bars = with_agent.session, []
+    bar = agent_overlay._Row.bar
+    monkeypatch.setattr(agent_overlay._Row, "bar", lambda row: bars.append(bar(row)) or bars[-1])
+    with_agent.host.size = size
+    with_agent.key("f6")
+    with_agent.frames(20)
+    mind = Mind(intention=(0.0,) * 6, own_action=(0.0,) * 6, value=0.4, entropy=1.0)
+    session.playback.pause()
+    session.playback.current.snapshot = dataclasses.replace(session.playback.snapshot, mind=mind)
+    with_agent.frames(3)
+    assert bars
+    assert min(right - left for left, right, _ in bars) >= px(60)
 
 
 def test_the_plate_says_what_the_plan_leads_to():
