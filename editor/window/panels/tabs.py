@@ -28,6 +28,8 @@ _MOMENT: Final = {
 """Choices for a paused episode that is being changed."""
 
 
+_MANY: Final = 6
+"""Open levels that get a button which lists them."""
 _LONGEST: Final = 30
 """Letters of a name on a tab; its tooltip has all of them."""
 
@@ -49,6 +51,8 @@ class DocumentTabs:
             imgui.TabBarFlags_.fitting_policy_scroll.value
             | imgui.TabBarFlags_.no_close_with_middle_mouse_button.value
         )
+        if len(session.tabs) >= _MANY:
+            flags |= imgui.TabBarFlags_.tab_list_popup_button.value
         if imgui.begin_tab_bar("documents", flags):
             self._tabs(session)
             if imgui.tab_item_button(Icons.plus, imgui.TabItemFlags_.trailing.value):

@@ -116,3 +116,19 @@ def test_a_tab_that_gets_a_long_name_stays_in_sight(make_gui):
     tab, new = gui.probe("tabs.12"), gui.probe("tabs.new")
     assert tab.high[0] - tab.low[0] < px(300)
     assert tab.high[0] <= new.low[0] + px(2)
+
+
+def test_a_list_of_the_tabs_brings_one_to_the_front(make_gui):
+    gui = make_gui(size=(900, 600))
+    gui.frames(10)
+    for _ in range(8):
+        draw(gui)
+        gui.key("ctrl+n")
+        gui.frames(4)
+    gui.frames(10)
+    left, row = gui.probe("canvas").low[0], gui.probe("tabs.new")
+    gui.click_at(left + px(8), row.centre[1])
+    gui.frames(6)
+    gui.click_at(left + px(25), row.high[1] + px(9))
+    gui.frames(10)
+    assert gui.session.tabs.index_in_front == 0
