@@ -30,8 +30,6 @@ _MOMENT: Final = {
 
 _MANY: Final = 6
 """Open levels that get a button which lists them."""
-_LONGEST: Final = 30
-"""Letters of a name on a tab; its tooltip has all of them."""
 
 
 class DocumentTabs:
@@ -73,8 +71,7 @@ class DocumentTabs:
             flags = imgui.TabItemFlags_.unsaved_document.value if document.dirty else 0
             if brought and index == session.tabs.index_in_front:
                 flags |= imgui.TabItemFlags_.set_selected.value
-            title = document.title
-            short = title if len(title) <= _LONGEST else f"{title[: _LONGEST - 1].rstrip()}…"
+            title, short = document.title, widgets.shortened(document.title)
             opened, kept = imgui.begin_tab_item(
                 widgets.labelled(short, f"tab-{id(tab)}"), True, flags
             )
