@@ -211,9 +211,10 @@ def _moments(request: ExportFilm) -> list[tuple[Snapshot, Snapshot | None]]:
     if last.outcome is not None:
         apart = request.stride * last.frame_skip
         times += range(times[-1] + apart, others[-1].step * skip + apart, apart)
+    shown = [*chosen, *[last] * (len(times) - len(chosen))]
     return [
         (mine, others[min(time // skip, len(others) - 1)])
-        for mine, time in itertools.zip_longest(chosen, times, fillvalue=last)
+        for mine, time in zip(shown, times, strict=True)
     ]
 
 
