@@ -201,6 +201,8 @@ class EvaluatePanel(Panel):
             return
         with widgets.disabled(not who):
             pressed = widgets.primary_button(session, "evaluate.run", f"{Icons.play}  Evaluate")
+        if not who:
+            widgets.tooltip("Evaluate", "Choose an agent first: Add…, or tick a name beside it.")
         if pressed:
             session.queue(
                 lambda: measure.start_evaluation(

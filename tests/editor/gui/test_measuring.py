@@ -245,6 +245,19 @@ def test_differences_are_in_one_language(with_agent, said):
     assert told.endswith(", und 1 weitere")
 
 
+def test_it_is_said_why_nothing_can_be_evaluated(viewer_gui, monkeypatch):
+    told = {}
+    monkeypatch.setattr(
+        widgets, "tooltip", lambda title, detail="", *_, **__: told.update({title: detail})
+    )
+    front(viewer_gui, "evaluate")
+    assert "Choose an agent first" in told["Evaluate"]
+    viewer_gui.click("evaluate.noop")
+    told.clear()
+    viewer_gui.frames(2)
+    assert "Evaluate" not in told
+
+
 def test_the_ways_of_another_level_are_not_shown_for_its_attempts(with_agent):
     gui, session = with_agent, with_agent.session
     with_results(gui, "Tester", level=session.document.level)
