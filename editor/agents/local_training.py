@@ -82,7 +82,7 @@ class LocalTraining:
         self.run: Path | None = None
         """The run's folder."""
         self.told = ""
-        """What it is called in messages: by the levels, or by the agent that learns more."""
+        """Its name in messages: that of the levels, or of the agent that learns more."""
         self.stopping = False
 
     @property
