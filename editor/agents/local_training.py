@@ -81,6 +81,8 @@ class LocalTraining:
         self._log: Path | None = None
         self.run: Path | None = None
         """The run's folder."""
+        self.told = ""
+        """Its name in messages: that of the levels, or of the agent that learns more."""
         self.stopping = False
 
     @property
@@ -88,17 +90,18 @@ class LocalTraining:
         """True if it trains."""
         return self._process is not None and self._process.poll() is None
 
-    def begin(self, level: Path, run: Path) -> None:
+    def begin(self, level: Path, run: Path, told: str) -> None:
         """Train an agent on a level.
 
         Args:
             level: The level's file.
             run: The run's folder.
+            told: What the level is called in messages.
 
         Raises:
             CommandError: The folder cannot be made or written.
         """
-        self._train(run, ("ppo", "--preset", "specialist", "--levels", str(level)))
+        self._train(run, told, ("ppo", "--preset", "specialist", "--levels", str(level)))
 
     def go_on(self, run: Path, algorithm: str, steps: int | None) -> None:
         """Go on with a training that has stopped.
@@ -112,16 +115,17 @@ class LocalTraining:
             CommandError: The command line cannot be stored in the folder.
         """
         more = () if steps is None else ("--total-timesteps", str(steps))
-        self._train(run, (algorithm, *more))
+        self._train(run, run.name, (algorithm, *more))
 
-    def _train(self, run: Path, options: Sequence[str]) -> None:
+    def _train(self, run: Path, told: str, options: Sequence[str]) -> None:
         words = (sys.executable, "-m", "kinetix", "train", *options, "--out", str(run))
         try:
             run.mkdir(parents=True, exist_ok=True)
             process = self._start(words, run / LOG)
         except OSError as error:
             raise CommandError(f"{run / LOG}: {error.strerror or error}") from error
-        self.run, self._log, self._process, self.stopping = run, run / LOG, process, False
+        self.run, self._log, self._process = run, run / LOG, process
+        self.told, self.stopping = told, False
 
     def stop(self) -> None:
         """End it: after its update, saved; at once where it has made none, while it compiles."""

@@ -148,7 +148,7 @@ def why_not(path: str | Path, error: LevelError) -> str:
 def told_plainly(path: str | Path, error: LevelError) -> str:
     """Return why a file cannot be opened: its name first, its folder in a line of its own."""
     file = _resolved(path)
-    return f"{file.name}: {plain_reason(path, error)}\n{file.parent}"
+    return f"{file.name}: {plain_reason(path, error)}\n{file.parent.absolute()}"
 
 
 def plain_reason(path: str | Path, error: LevelError) -> str:

@@ -38,7 +38,16 @@ _AT_REST: Final[Rgba] = (0.45, 0.48, 0.54, 1.0)
 _WIDTH: Final = 214.0
 _APART: Final = "    "
 _LEAST: Final = 128.0
-"""In less room beside the arena the plate stands over it [px at 100 %]."""
+"""In less room beside the arena the plate stands over it, or nowhere [px at 100 %]."""
+
+
+_NAME: Final = 56.0
+"""Width of what a bar is called [px at 100 %]."""
+_NUMBER: Final = 46.0
+_UNDER: Final = 13.0
+"""Height that a bar under its name takes [px at 100 %]."""
+_BAR: Final = 60.0
+"""A bar that is no longer beside its name and number stands under them [px at 100 %]."""
 
 
 def lean_colour(value: float) -> Rgba:
@@ -135,10 +144,12 @@ def paint_ghost(painter: Painter, level: Level, solid: Snapshot, snapshot: Snaps
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Room:
-    """Room for the plate around the arena that is nearest to it."""
+    """Room for the plate around its player's arena."""
 
     beside: float
-    """Width between the arena and the canvas's right edge [px]."""
+    """Width between the arena and the right edge of the player's part of the canvas [px]."""
+    across: float
+    """Width between what else is said of the episode and that edge [px]."""
     above: float
     """Height between the arena and the plate's upper edge, negative where it begins lower [px]."""
     over: float
@@ -153,7 +164,7 @@ def paint_numbers(session: "Session", draw: imgui.ImDrawList, corner: Point, *, 
         draw: Where to draw.
         corner: Upper right corner of the plate [px].
         room: The plate is made narrower for the width beside the arena, within reason, else lower
-            for the height above it; where it has to stand over an arena it has fewer bars, so that
+            for the height above it; where it has to stand over the arena it has fewer bars, so that
             it covers a part of it alone, or is left out.
     """
     playback = session.playback
@@ -234,17 +245,18 @@ def _plate(
         step = imgui.get_text_line_height() + px(4)
         wide = max([imgui.calc_text_size(words).x for words, _ in lines] + [px(_WIDTH)]) + px(20)
         beside = room.beside >= px(_LEAST)
-        if beside:
-            wide = min(wide, room.beside)
+        wide = min(wide, room.beside if beside else room.across)
+        if wide < px(_LEAST):
+            return
         lines = [(part, c) for words, c in lines for part in _fitted(words, wide - px(20))]
+        row = step if wide - px(20) >= px(_NAME + _BAR + _NUMBER) else step + px(_UNDER)
         if not beside:
-            fits_above = len(lines) * step + px(14) <= room.above
-            tall = room.above if fits_above else room.over
-            spare = int((tall - px(14)) / step) - len(lines)
-            if spare < 0:
+            words = len(lines) * step + px(14)
+            tall = room.above if words <= room.above else room.over
+            if words > tall:
                 return
-            bars = min(bars, spare)
-        height = (len(lines) + bars) * step + px(14)
+            bars = min(bars, int((tall - words) / row))
+        height = len(lines) * step + bars * row + px(14)
         low, high = (right - wide, top), (right, top + height)
         draw.add_rect_filled(low, high, u32(alpha(COLOURS.raised, 0.93)), px(7))
         draw.add_rect(low, high, u32(COLOURS.line), px(7))
@@ -254,17 +266,41 @@ def _plate(
             y += step
         if not thinks or mind is None:
             return
-        span = (low[0] + px(10), high[0] - px(10))
         for index in range(bars):
+            place = _Row(left=x, right=high[0] - px(10), top=y, under=row > step)
             if index == 0:
-                _bar(draw, span, y, "value", mind.value, (-facts.most_value, facts.most_value))
+                _bar(draw, place, "value", mind.value, (-facts.most_value, facts.most_value))
             elif index == 1:
-                _bar(draw, span, y, "entropy", mind.entropy, (0.0, most_entropy(facts.controls)))
+                _bar(draw, place, "entropy", mind.entropy, (0.0, most_entropy(facts.controls)))
             else:
                 channel = controls[index - 2]
                 caps = " ".join(key_caps(channel, facts.keys))
-                _chances(draw, span, y, caps, mind.chances[channel], mind.own_action[channel])
-            y += step
+                _chances(draw, place, caps, mind.chances[channel], mind.own_action[channel])
+            y += row
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class _Row:
+    """Place of a bar with its name and its number."""
+
+    left: float
+    right: float
+    top: float
+    under: bool
+    """True if the bar stands under its name, in all of the width."""
+
+    def write(self, draw: imgui.ImDrawList, name: str, number: str) -> None:
+        """Write the name at the left and the number at the right."""
+        draw.add_text((self.left, self.top), u32(COLOURS.muted), tr(name))
+        size = imgui.calc_text_size(number)
+        draw.add_text((self.right - size.x, self.top), u32(COLOURS.text), number)
+
+    def bar(self) -> tuple[float, float, float]:
+        """Return where the bar begins, where it ends, and its middle line."""
+        line = imgui.get_text_line_height()
+        if self.under:
+            return self.left, self.right, self.top + line + px(_UNDER / 2)
+        return self.left + px(_NAME), self.right - px(_NUMBER), self.top + line / 2
 
 
 def _fitted(words: str, room: float) -> list[str]:
@@ -276,27 +312,24 @@ def _fitted(words: str, room: float) -> list[str]:
 
 def _chances(
     draw: imgui.ImDrawList,
-    span: tuple[float, float],
-    y: float,
+    place: _Row,
     label: str,
     chances: tuple[float, float, float],
     chosen: float,
 ) -> None:
     """A control's probabilities side by side: backward, at rest, forward; the chosen one marked."""
-    left, right = span[0] + px(56), span[1] - px(46)
-    height = imgui.get_text_line_height()
-    middle, at = y + height / 2, left
-    draw.add_text((span[0], y), u32(COLOURS.muted), tr(label))
+    left, right, middle = place.bar()
+    at = left
     sign = (chosen > 0) - (chosen < 0)
+    number = ""
     for way, chance, colour in zip((-1, 0, 1), chances, _WAYS, strict=True):
         end = at + (right - left) * chance
         draw.add_rect_filled((at, middle - px(4)), (end, middle + px(4)), u32(colour))
         if way == sign:
             draw.add_rect_filled((at, middle + px(5)), (end, middle + px(7)), u32(COLOURS.text))
-            words = f"{chance:.2f}"
-            size = imgui.calc_text_size(words)
-            draw.add_text((span[1] - size.x, y), u32(COLOURS.text), words)
+            number = f"{chance:.2f}"
         at = end
+    place.write(draw, label, number)
 
 
 _WAYS: Final = (_BACKWARD, _AT_REST, _FORWARD)
@@ -304,28 +337,22 @@ _WAYS: Final = (_BACKWARD, _AT_REST, _FORWARD)
 
 def _bar(
     draw: imgui.ImDrawList,
-    span: tuple[float, float],
-    y: float,
+    place: _Row,
     label: str,
     value: float,
     limits: tuple[float, float],
 ) -> None:
     """A number with its place between two limits."""
-    left, right = span[0] + px(56), span[1] - px(46)
-    height = imgui.get_text_line_height()
-    draw.add_text((span[0], y), u32(COLOURS.muted), tr(label))
+    left, right, middle = place.bar()
     low, high = limits
     zero = left + (right - left) * (0.0 - low) / (high - low)
     at = left + (right - left) * (min(max(value, low), high) - low) / (high - low)
-    middle = y + height / 2
     draw.add_rect_filled((left, middle - px(4)), (right, middle + px(4)), u32(COLOURS.field), px(3))
     colour = COLOURS.info if label == "entropy" else COLOURS.good if value >= 0 else COLOURS.bad
     draw.add_rect_filled(
         (min(zero, at), middle - px(4)), (max(zero, at), middle + px(4)), u32(colour), px(3)
     )
-    words = f"{value:+.2f}" if low < 0 else f"{value:.2f}"
-    size = imgui.calc_text_size(words)
-    draw.add_text((span[1] - size.x, y), u32(COLOURS.text), words)
+    place.write(draw, label, f"{value:+.2f}" if low < 0 else f"{value:.2f}")
 
 
 def paint_reason(

@@ -40,6 +40,8 @@ class Toast:
     """An action offered as a button (`edit.undo`)."""
     offered: Callable[[], bool] = lambda: True
     """Returns False once the button would do something else than the message says."""
+    holds: Callable[[], bool] = lambda: True
+    """Returns False once the message is no longer true."""
 
 
 def _shortened(text: str) -> str:
@@ -71,6 +73,7 @@ class Messages:
         *,
         action: str | None = None,
         offered: Callable[[], bool] = lambda: True,
+        holds: Callable[[], bool] = lambda: True,
     ) -> None:
         """Show a message until it can be read; the same message is not stacked."""
         self.log.add(text)
@@ -81,8 +84,9 @@ class Messages:
             seconds = max(seconds, ERROR_TOAST_SECONDS)
         self.toasts = [toast for toast in self.toasts if toast.text != text]
         until = self._clock() + seconds
-        shown = Toast(text=text, kind=kind, until=until, action=action, offered=offered)
-        self.toasts.append(shown)
+        self.toasts.append(
+            Toast(text=text, kind=kind, until=until, action=action, offered=offered, holds=holds)
+        )
 
     def hold(self, toast: Toast) -> None:
         """Keep a message that the pointer is on."""
@@ -97,12 +101,12 @@ class Messages:
         self.toasts = [each for each in self.toasts if each.kind != "success" or each.action]
 
     def expire(self) -> None:
-        """Take away the messages whose time is over, and buttons that would do something else."""
+        """Take away what is over or no longer true, and buttons that would do something else."""
         now = self._clock()
         self.toasts = [
             toast if toast.offered() else dataclasses.replace(toast, action=None)
             for toast in self.toasts
-            if toast.until > now
+            if toast.until > now and toast.holds()
         ]
 
     def report(self, error: Exception, *, before: Callable[[], None]) -> None:

@@ -327,14 +327,17 @@ class Canvas:
             r = px(3)
             outside = (low[0] - r, low[1] - r), (high[0] + r, high[1] + r)
             draw.add_rect(*outside, u32(COLOURS.of(OUTCOME_LOOK[ended][2])), px(4), px(3))
-        paint_side(session, draw, self.area, split=self.framing.split)
+        said = paint_side(session, draw, self.area, split=self.framing.split)
         if "numbers" in session.settings.agent_overlay and width >= px(_ROOM_FOR_PLATE):
-            right, top = x + width - px(_EDGE), y + px(_EDGE)
+            share = 2 if self.framing.split else 1  # the numbers are the first player's
+            right, top = x + width / share - px(_EDGE), y + px(_EDGE)
             arena, upper = session.camera.to_screen(ARENA[1])
-            tall = height - px(_EDGE)
-            if self.framing.split:  # the second player's arena, which is half as large
-                arena, tall = arena + width / 2, tall / 2
-            room = Room(beside=right - arena - px(_EDGE), above=upper - top, over=_COVERED * tall)
+            room = Room(
+                beside=right - arena - px(_EDGE),
+                across=right - said - px(_EDGE),
+                above=upper - top,
+                over=_COVERED * (height - px(_EDGE)) / share,
+            )
             paint_numbers(session, draw, (right, top), room=room)
         self._celebrate(session, draw)
         if session.mode is Mode.PAUSED and playback.failure:

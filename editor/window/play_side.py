@@ -31,6 +31,8 @@ _WIDTH: Final = 250.0
 _LEAST: Final = 112.0
 """In less room it stands over the arena."""
 _EDGE: Final = 14.0
+_LARGE: Final = 320.0
+"""Side of an arena that has room for all that is said of an episode's end [px at 100 %]."""
 
 
 @dataclasses.dataclass(kw_only=True)
@@ -45,6 +47,8 @@ class _Column:
     """Nothing is written below [px]."""
     plates: bool
     """True if it stands over the level, on a plate."""
+    short: bool
+    """True if how it ended has to stand in one line."""
     reach: Point = (0.0, 0.0)
     """Lower right corner of all that is written [px]."""
 
@@ -82,7 +86,7 @@ class _Column:
 
 def paint_side(
     session: "Session", draw: imgui.ImDrawList, area: tuple[Point, Point], *, split: bool
-) -> None:
+) -> float:
     """Draw the column.
 
     Args:
@@ -90,9 +94,13 @@ def paint_side(
         draw: Where to draw.
         area: Upper left corner and size of the canvas [px].
         split: Whether two players share the canvas, so that nothing is free beside the arena.
+
+    Returns:
+        How far it reaches to the right [px].
     """
     (x, y), (width, height) = area
     corner = session.camera.to_screen((ARENA[0][0], ARENA[1][1]))
+    side = session.camera.to_screen(ARENA[1])[0] - corner[0]
     left = corner[0] - x
     free = left - 2 * px(_EDGE)
     beside = not split and free >= px(_LEAST)
@@ -103,18 +111,24 @@ def paint_side(
         at, top = max(corner[0], x) + px(_EDGE), max(corner[1], y) + px(_EDGE)
         wide = min(px(_WIDTH), x + (width / 2 if split else width) - at - px(_EDGE))
     bottom = y + height - px(_EDGE)
-    column = _Column(draw=draw, x=at, y=top, width=wide, bottom=bottom, plates=not beside)
+    short = not beside and session.mode is Mode.ENDED and side < px(_LARGE)
+    column = _Column(
+        draw=draw, x=at, y=top, width=wide, bottom=bottom, plates=not beside, short=short
+    )
     draw.channels_split(2)
     draw.channels_set_current(1)
-    _badge(session, column)
+    if not short:
+        _badge(session, column)
     _results(session, column, area, split=split)
-    _progress(session, column, beside)
+    if not short:
+        _progress(session, column, beside)
     if beside:
         _keys(session, column)
         _goal(session, column)
     else:
         column.underlay(top)
     draw.channels_merge()
+    return column.reach[0]
 
 
 def _badge(session: "Session", column: _Column) -> None:
@@ -147,11 +161,14 @@ def _results(
         if other.outcome is not None:
             write_verdict(half, other.outcome, [_after(other.step)])
         else:
-            half.lines(tr(_of_rival(session, other)), COLOURS.text, TEXT)
+            size = SMALL if column.short else TEXT
+            half.lines(tr(_of_rival(session, other)), COLOURS.text, size)
         half.underlay(top)
     elif other is not None:
         mine.append(_of_rival(session, other))
     write_verdict(column, playback.outcome, mine)
+    if column.short:
+        return
     for action, does in (("run.reset", "to restart"), ("run.stop", "to edit")):
         line = pressed(session, action, does)
         if line:
@@ -178,10 +195,16 @@ def write_verdict(column: _Column, outcome: Outcome, details: Sequence[str]) -> 
     Args:
         column: Where to write.
         outcome: How it ended.
-        details: Lines under it.
+        details: Lines under it; where it has to be short the first one goes on after the outcome.
     """
     icon, word, name = OUTCOME_LOOK[outcome]
     colour = COLOURS.of(name)
+    if column.short:
+        told = f"{icon}  {tr(word)} {tr(details[0])}"
+        column.lines(told, colour, SMALL, FONTS.bold)
+        for words in details[1:]:
+            column.lines(tr(words), COLOURS.text)
+        return
     title = f"{icon}  {tr(word)}"
     with font(FONTS.bold, HUGE):
         wanted = imgui.calc_text_size(title).x

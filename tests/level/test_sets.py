@@ -25,6 +25,7 @@ from kinetix.level.sets import (
     is_set_file,
     level_files,
     load_set,
+    read_set,
     save_set,
     split_set,
     training_part,
@@ -279,6 +280,18 @@ def test_a_changed_level_is_noticed(folder, made):
     save_level(level.replace(max_timesteps=9), folder / "s" / "g3.json")
     with pytest.raises(LevelError, match=r"set\.json: \$\.levels\[4\]\.sha256: expected the level"):
         load_set(folder / "set.json")
+
+
+def test_levels_of_a_set_that_cannot_be_read_do_not_keep_the_others_away(folder, made):
+    save_set(made, folder / "set.json")
+    whole, unreadable = read_set(folder / "set.json")
+    assert whole.levels == load_set(folder / "set.json").levels and not unreadable
+    (folder / "s" / "g3.json").write_text("{")
+    save_level(game(2).replace(max_timesteps=9), folder / "s" / "g2.json")
+    rest, unreadable = read_set(folder / "set.json")
+    assert list(unreadable) == ["s/g3.json"]
+    assert len(rest.levels) == len(whole.levels) - 1
+    assert 9 in {each.level.max_timesteps for each in rest.levels}
 
 
 def entry(**changes):

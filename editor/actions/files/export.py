@@ -295,9 +295,14 @@ def write_page(session: Session, level: Level, trace: Trace, path: Path) -> None
 
 
 def _during(trace: Trace, rival: Trace) -> Trace:
-    """The second player's moments while the first one's were played; at least its last one."""
+    """The second player's moments while the first one's were played; at least its last one.
+
+    Where the first one has ended by then, those to the second one's end too.
+    """
     first, last = (trace.snapshots[k].step * trace.snapshots[k].frame_skip for k in (0, -1))
     steps = [snapshot.step * snapshot.frame_skip for snapshot in rival.snapshots]
+    if trace.snapshots[-1].outcome is not None:
+        last = max(last, steps[-1])
     inside = [k for k, step in enumerate(steps) if first <= step <= last] or [len(steps) - 1]
     return rival.part(inside[0], inside[-1])
 

@@ -7,18 +7,21 @@ from typing import Final
 from editor.actions.files import file
 from editor.actions.gallery import gallery as browsing
 from editor.base.prompts import Choice, FileQuestion, Question
+from editor.documents.files import plain_reason
 from editor.gallery import filing
 from editor.gallery.export import SetPlan, export_set, unpack
 from editor.gallery.named_levels import set_name
 from editor.session import Session
 from editor.session.messages import Kind
 from kinetix.errors import CommandError, KinetixError, LevelError
-from kinetix.level.sets import LoadedSet, inline_losses, load_set
+from kinetix.level.sets import LoadedSet, inline_losses, read_set
 from kinetix.paths import user_levels_dir
 from kinetix.wording import plural
 
 MOST_AT_ONCE: Final = 20
 """Sets of so many levels are written while the window waits: that is no longer than a blink."""
+MOST_TOLD: Final = 5
+"""Levels of a set that cannot be opened, of which a question says why."""
 
 
 def add_to_set(session: Session) -> None:
@@ -42,20 +45,26 @@ def drop_from_set(session: Session, path: str) -> None:
 
 
 def load_into_set(session: Session, path: Path) -> None:
-    """Take the levels and weights of a set that there is; asks where it carries levels itself.
+    """Take the levels and weights of a set that there is.
+
+    Asks where the set carries levels itself, and where some of them cannot be opened.
 
     Raises:
-        LevelError: The set is bad.
+        LevelError: The set is bad, or none of its levels can be opened.
     """
-    loaded = load_set(path.resolve())
-    # As the cards have them: a set names the levels beside it by way of `..`.
-    files = {
-        os.path.abspath(each.path): each.weight for each in loaded.levels if each.path is not None
-    }
-    if any(each.path is None for each in loaded.levels):
-        _ask_to_unpack(session, path, loaded)
-    else:
-        _replace(session, files, f"{plural(len(files), 'level')} of {set_name(path)}")
+    loaded, unreadable = read_set(path.resolve())
+    if not unreadable:
+        _take(session, path, loaded)
+        return
+    told = [
+        f"{name}: {plain_reason(path.resolve().parent / name, error)}"
+        for name, error in unreadable.items()
+    ]
+    if not loaded.levels:
+        raise LevelError(f"{path}: none of its levels can be opened; {told[0]}")
+    for sentence in told:
+        session.log.add(sentence)
+    _ask_for_others(session, path, loaded, told)
 
 
 def open_set(session: Session, path: Path) -> bool:
@@ -68,6 +77,44 @@ def open_set(session: Session, path: Path) -> bool:
     if not session.gallery.open:
         browsing.toggle(session)
     return True
+
+
+def _take(session: Session, path: Path, loaded: LoadedSet) -> None:
+    """Make the levels of a set those of the tray; asks where they have no files."""
+    # As the cards have them: a set names the levels beside it by way of `..`.
+    files = {
+        os.path.abspath(each.path): each.weight for each in loaded.levels if each.path is not None
+    }
+    if any(each.path is None for each in loaded.levels):
+        _ask_to_unpack(session, path, loaded)
+    else:
+        _replace(session, files, f"{plural(len(files), 'level')} of {set_name(path)}")
+
+
+def _ask_for_others(session: Session, path: Path, loaded: LoadedSet, told: list[str]) -> None:
+    """Ask whether to take a set without the levels that cannot be opened."""
+
+    def answer(choice: str) -> None:
+        if choice == "others":
+            _take(session, path, loaded)
+
+    more = [f"and {len(told) - MOST_TOLD} more"] if len(told) > MOST_TOLD else []
+    count = plural(len(told) + len(loaded.levels), "level")
+    session.ask(
+        Question(
+            title=f"Take the others of {path.name}?",
+            message="\n".join(
+                [f"{len(told)} of {count} cannot be opened:", *told[:MOST_TOLD], *more]
+            ),
+            choices=(
+                Choice(id="others", label="Take the Others"),
+                Choice(id="cancel", label="Cancel"),
+            ),
+            default="others",
+            cancel="cancel",
+            answer=answer,
+        )
+    )
 
 
 def _ask_to_unpack(session: Session, path: Path, loaded: LoadedSet) -> None:

@@ -50,7 +50,10 @@ def _go_on(session: Session, run: Path) -> None:
     algorithm, steps = str(config.get("algorithm", "ppo")), _steps_wanted(run, config)
     session.training.go_on(run, algorithm, steps)
     watch_run(session, str(run))
-    session.toast(f"{run.name} goes on learning: F6 plays its newest attempt.")
+    session.messages.toast(
+        f"{run.name} goes on learning: F6 plays its newest attempt.",
+        holds=lambda: session.training.running,
+    )
 
 
 def _config(run: Path) -> dict[str, Any]:

@@ -120,12 +120,13 @@ def _train(session: Session, name: str, told: str, write: Callable[[Path], objec
         raise CommandError(f"{run.parent}: cannot be made: {reason}") from error
     file = run.with_suffix(".json")
     write(file)
-    session.training.begin(file, run)
+    session.training.begin(file, run, told)
     watch_run(session, str(run))
     session.viewer.follow_run = True
-    session.toast(
+    session.messages.toast(
         f"Training on {told}: its newest attempt plays with F6 as soon as there is one.",
         "success",
+        holds=lambda: session.training.running,
     )
 
 
@@ -190,14 +191,14 @@ def update_training(session: Session) -> None:
     if ended:
         session.toast(f"The training ended: {ended}", "error")
         return
-    name = training.run.name
     if not steps_in(training.run):
         _clear(training.run)
         if session.viewer.run.path == str(training.run) and not os.path.exists(training.run):
             session.viewer.run.watch("")
-        session.toast(f"{name}: stopped before anything was learnt.")
+        session.toast(f"Training on {training.told}: stopped before anything was learnt.")
         return
     taken = _wanted(session, training.run)
+    name = training.run.name  # the agent's
     how = "F6 lets it play." if taken else "Choose it as agent A to see it play."
     if training.stopping:
         session.toast(f"{name}: stopped; its progress is saved. {how}", "success")

@@ -11,6 +11,9 @@ from editor.toolkit.appearance import COLOURS, FONTS, SMALL, TITLE, Icons, Rgba,
 from editor.toolkit.widgets.base import font, px
 from editor.toolkit.widgets.caps import key_caps
 
+_LONGEST: Final = 30
+"""Letters of a name among several things in a line."""
+
 MIXED: Final = "—"
 """Text of a field when the selected things differ."""
 
@@ -138,6 +141,11 @@ def broken(words: str, width: float) -> list[str]:
                 line = longer
         lines.append(line)
     return lines
+
+
+def shortened(name: str) -> str:
+    """Return a name with an ellipsis where it is too long for a tab or a line of several things."""
+    return name if len(name) <= _LONGEST else f"{name[: _LONGEST - 1].rstrip()}…"
 
 
 def fitted(words: str, room: float) -> str:

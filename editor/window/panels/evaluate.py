@@ -201,6 +201,8 @@ class EvaluatePanel(Panel):
             return
         with widgets.disabled(not who):
             pressed = widgets.primary_button(session, "evaluate.run", f"{Icons.play}  Evaluate")
+        if not who:
+            widgets.tooltip("Evaluate", "Choose an agent first: Add…, or tick a name beside it.")
         if pressed:
             session.queue(
                 lambda: measure.start_evaluation(
@@ -304,10 +306,12 @@ class EvaluatePanel(Panel):
             widgets.muted("Playing the attempts …")
             return
         ways = viewer.ways_of(level, agent)
-        label = "Hide Paths" if ways is not None else "Show Paths"
+        label, does = "Show Paths", "Where the green shape went in each attempt, over the level."
+        if ways is not None:
+            label, does = "Hide Paths", "The level without the paths of the attempts."
         if widgets.button(session, "evaluate.ways", label):
             session.queue(lambda: measure.show_paths(session, level, agent))
-        widgets.tooltip(label, "Where the green shape went in each attempt, over the level.")
+        widgets.tooltip(label, does)
         if ways is None:
             return
         for outcome in dict.fromkeys(ways.paths.outcomes):

@@ -28,12 +28,18 @@ _MOMENT: Final = {
 """Choices for a paused episode that is being changed."""
 
 
+_MANY: Final = 6
+"""Open levels that get a button which lists them."""
+
+
 class DocumentTabs:
     """A tab bar; a click brings to the front, the cross closes (and asks first)."""
 
     def __init__(self) -> None:
         self._front: Tab | None = None
         """The tab in front in the last frame; another may have taken its place since."""
+        self._name = ""
+        """Its name in the last frame."""
 
     def draw(self, session: "Session") -> None:
         """Draw the bar at the top of the canvas's window."""
@@ -43,6 +49,8 @@ class DocumentTabs:
             imgui.TabBarFlags_.fitting_policy_scroll.value
             | imgui.TabBarFlags_.no_close_with_middle_mouse_button.value
         )
+        if len(session.tabs) >= _MANY:
+            flags |= imgui.TabBarFlags_.tab_list_popup_button.value
         if imgui.begin_tab_bar("documents", flags):
             self._tabs(session)
             if imgui.tab_item_button(Icons.plus, imgui.TabItemFlags_.trailing.value):
@@ -63,11 +71,13 @@ class DocumentTabs:
             flags = imgui.TabItemFlags_.unsaved_document.value if document.dirty else 0
             if brought and index == session.tabs.index_in_front:
                 flags |= imgui.TabItemFlags_.set_selected.value
-            name = widgets.labelled(document.title, f"tab-{id(tab)}")
-            opened, kept = imgui.begin_tab_item(name, True, flags)
+            title, short = document.title, widgets.shortened(document.title)
+            opened, kept = imgui.begin_tab_item(
+                widgets.labelled(short, f"tab-{id(tab)}"), True, flags
+            )
             widgets.probe(session, f"tabs.{index}")
-            if document.path is not None:
-                widgets.tooltip(document.title, str(document.path), own=True)
+            if document.path is not None or short != title:
+                widgets.tooltip(title, str(document.path or ""), own=True)
             if imgui.is_item_clicked(imgui.MouseButton_.right.value):
                 at = imgui.get_mouse_pos()
                 session.queue(lambda tab=tab, at=(at.x, at.y): open_tab_menu(session, tab, at))
@@ -77,7 +87,9 @@ class DocumentTabs:
                 imgui.end_tab_item()
             if not kept:
                 session.queue(lambda tab=tab: file.close_tab(session, tab))
-        self._front = session.tab
+        if not brought and self._name != session.document.title:
+            _scroll_to_front()
+        self._front, self._name = session.tab, session.document.title
         if front != session.tabs.index_in_front:
             session.queue(lambda: session.show_tab(front))
 
@@ -127,6 +139,13 @@ class DocumentTabs:
                     if widgets.button(session, f"outside.{name}", action.label):
                         session.queue(name)
                 widgets.tooltip(action.label, action.tooltip)
+
+
+def _scroll_to_front() -> None:
+    """Bring the tab in front of the current bar into sight again: a longer name may leave it."""
+    bar = imgui.internal.get_current_tab_bar()
+    if bar is not None and not bar.next_selected_tab_id:
+        bar.next_selected_tab_id = bar.selected_tab_id
 
 
 @contextlib.contextmanager

@@ -4,6 +4,7 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 
 from editor.actions.files.export import file_of, writing
 from editor.base.language import tr
+from editor.toolkit import widgets
 from editor.toolkit.appearance import COLOURS, Icons, Rgba
 from editor.worker.jobs import PREPARATIONS, Job, lane_of
 
@@ -45,7 +46,7 @@ def under_way(session: "Session") -> list[Part]:
         words = _told("Evaluating", evaluation.job)
         parts.append(Part(words, COLOURS.accent, "level.evaluate", SHOWS))
     if training.running and training.run is not None:
-        words = _told(f"Training {training.run.name}")
+        words = _told(f"Training {widgets.shortened(training.told)}")
         parts.append(Part(words, COLOURS.accent, "view.training", SHOWS))
     job = next((job for job in session.worker.jobs if _is_other(job)), None)
     if job is not None:

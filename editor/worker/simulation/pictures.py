@@ -189,18 +189,33 @@ def _about(request: ExportFilm) -> str:
 
 def _frames(request: ExportFilm, progress: Progress) -> Iterator[np.ndarray]:
     """The pictures: of one player, or of two side by side with their names."""
-    chosen = request.trace.snapshots[:: request.stride]
-    for k, snapshot in enumerate(chosen):
-        progress.report(k / len(chosen), f"Picture {k + 1} of {len(chosen)}")
-        frame = _frame(request, request.trace, snapshot)
-        if request.rival is None:
+    pairs = _moments(request)
+    for k, (mine, theirs) in enumerate(pairs):
+        progress.report(k / len(pairs), f"Picture {k + 1} of {len(pairs)}")
+        frame = _frame(request, request.trace, mine)
+        if request.rival is None or theirs is None:
             yield frame
             continue
-        others = request.rival.snapshots
-        index = snapshot.step * snapshot.frame_skip // others[0].frame_skip
-        other = _frame(request, request.rival, others[min(index, len(others) - 1)])
         line = np.zeros((len(frame), _GAP, 3), np.uint8)
-        yield np.concatenate([frame, line, other], axis=1)
+        yield np.concatenate([frame, line, _frame(request, request.rival, theirs)], axis=1)
+
+
+def _moments(request: ExportFilm) -> list[tuple[Snapshot, Snapshot | None]]:
+    """The moments of each picture; where the first player has ended, the second one goes on."""
+    chosen, last = request.trace.snapshots[:: request.stride], request.trace.snapshots[-1]
+    if request.rival is None:
+        return [(moment, None) for moment in chosen]
+    others = request.rival.snapshots
+    skip = others[0].frame_skip
+    times = [moment.step * moment.frame_skip for moment in chosen]
+    if last.outcome is not None:
+        apart = request.stride * last.frame_skip
+        times += range(times[-1] + apart, others[-1].step * skip + apart, apart)
+    shown = [*chosen, *[last] * (len(times) - len(chosen))]
+    return [
+        (mine, others[min(time // skip, len(others) - 1)])
+        for mine, time in zip(shown, times, strict=True)
+    ]
 
 
 def _frame(request: ExportFilm, trace: Trace, snapshot: Snapshot) -> np.ndarray:

@@ -26,7 +26,7 @@ from kinetix.level.sets.manifest import (
 from kinetix.level.sets.parts import distinct, evaluation_part, training_part
 from kinetix.level.sets.paths import within_reach
 from kinetix.level.sets.problems import issues_in_file, set_level_issues
-from kinetix.level.sets.read import is_set_file, load_set
+from kinetix.level.sets.read import is_set_file, load_set, read_set
 from kinetix.level.sets.write import dumps_set, inline_losses, save_set
 
 __all__ = [
@@ -54,6 +54,7 @@ __all__ = [
     "load_set",
     "place_of",
     "read_levels",
+    "read_set",
     "save_set",
     "set_level_issues",
     "split_set",

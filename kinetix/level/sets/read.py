@@ -11,7 +11,6 @@ from kinetix.level.canonical import record_tree, unsayable_paths
 from kinetix.level.codec import (
     LEVELSET_FORMAT,
     level_from_tree,
-    level_hash,
     load_document,
     resolve_path,
 )
@@ -52,6 +51,26 @@ def load_set(path: str | Path) -> LoadedSet:
     return loads_set(read_text(file, "set"), str(file), folder=file.parent)
 
 
+def read_set(path: str | Path) -> tuple[LoadedSet, dict[str, LevelError]]:
+    """Like `load_set`, but the levels are taken as they are, and damaged files left out.
+
+    Returns:
+        The set, and by the path in it what is wrong with each level that cannot be read.
+
+    Raises:
+        LevelError: The set itself is bad.
+    """
+    file = resolve_path(path)
+    manifest, inline = _manifest_in(read_text(file, "set"), str(file))
+    levels, unreadable = [], {}
+    for k, entry in enumerate(manifest.levels):
+        try:
+            levels.append(_level_of(entry, inline.get(k), file.parent))
+        except LevelError as error:
+            unreadable[str(entry.path)] = error
+    return LoadedSet(manifest=manifest, levels=tuple(levels), path=file), unreadable
+
+
 def check_manifest(manifest: LevelSet, file: str) -> None:
     """Refuse a manifest that could not be read again.
 
@@ -83,13 +102,8 @@ def loads_set(text: str, file: str, *, folder: Path) -> LoadedSet:
     Raises:
         LevelError: As for `load_set`.
     """
-    tree = parse_json(text, file)
+    manifest, inline = _manifest_in(text, file)
     faults = FaultCollector()
-    manifest, inline = None, {}
-    with contextlib.suppress(EnoughFaults):
-        manifest, inline = _read_manifest(tree, file, faults)
-    if manifest is None or faults.faults:
-        fail(file, faults.faults)
     levels = []
     with contextlib.suppress(EnoughFaults):
         levels = _listed_levels(manifest, inline, folder, faults)
@@ -98,41 +112,66 @@ def loads_set(text: str, file: str, *, folder: Path) -> LoadedSet:
     return LoadedSet(manifest=manifest, levels=tuple(levels), path=Path(file))
 
 
+def _manifest_in(text: str, file: str) -> tuple[LevelSet, dict[int, Level]]:
+    """Return a manifest and, by their places, the levels that it carries itself."""
+    tree = parse_json(text, file)
+    faults = FaultCollector()
+    manifest, inline = None, {}
+    with contextlib.suppress(EnoughFaults):
+        manifest, inline = _read_manifest(tree, file, faults)
+    if manifest is None or faults.faults:
+        fail(file, faults.faults)
+    return manifest, inline
+
+
 def _listed_levels(
     manifest: LevelSet, inline: dict[int, Level], folder: Path, faults: FaultCollector
 ) -> list[SetLevel]:
     levels = []
     for k, entry in enumerate(manifest.levels):
-        if entry.path is None:
-            level, where, native = inline[k], None, True
-        elif not within_reach(entry.path):
-            message = f"expected a path inside the folder above the set, got {found(entry.path)}"
-            faults.add("E007", f"$.levels[{k}].path", message)
+        try:
+            each = _level_of(entry, inline.get(k), folder)
+        except LevelError as error:
+            faults.add("E007", f"$.levels[{k}].path", str(error))
             continue
-        else:
-            where = folder / entry.path
-            try:
-                loaded = load_document(where if where.is_absolute() else Path.cwd() / where)
-                level, native = loaded.level, loaded.source is None
-            except LevelError as error:
-                faults.add("E007", f"$.levels[{k}].path", str(error))
-                continue
-        own = level_hash(level)
-        if own != entry.sha256:
-            message = f"expected the level with this hash, got one with {own}{_changed(entry)}"
-            faults.add("E007", f"$.levels[{k}].sha256", message)
-        levels.append(
-            SetLevel(
-                name=level.name if entry.path is None else plain_name(entry.path),
-                level=level,
-                tags=entry.tags,
-                weight=entry.weight,
-                split=entry.split,
-                path=where,
-                native=native,
-            )
-        )
+        if each.sha256 != entry.sha256:
+            message = f"expected the level with this hash, got one with {each.sha256}"
+            faults.add("E007", f"$.levels[{k}].sha256", f"{message}{_changed(entry)}")
+        levels.append(each)
     return levels
+
+
+def _level_of(entry: SetEntry, inline: Level | None, folder: Path) -> SetLevel:
+    """Return a level of a set, whatever its hash.
+
+    Args:
+        entry: What the manifest says of it.
+        inline: The level, where the manifest carries it.
+        folder: The manifest's.
+
+    Raises:
+        LevelError: The file cannot be read, or is out of the set's reach.
+    """
+    if entry.path is None:
+        assert inline is not None
+        level, where, native, name = inline, None, True, inline.name
+    elif not within_reach(entry.path):
+        raise LevelError(
+            f"expected a path inside the folder above the set, got {found(entry.path)}"
+        )
+    else:
+        where = folder / entry.path
+        loaded = load_document(where if where.is_absolute() else Path.cwd() / where)
+        level, native, name = loaded.level, loaded.source is None, plain_name(entry.path)
+    return SetLevel(
+        name=name,
+        level=level,
+        tags=entry.tags,
+        weight=entry.weight,
+        split=entry.split,
+        path=where,
+        native=native,
+    )
 
 
 def _read_manifest(

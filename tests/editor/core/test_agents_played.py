@@ -193,6 +193,12 @@ def test_a_film_of_two_players_has_both_with_their_names(perform, keeper, tmp_pa
     perform(film)
     with Picture.open(film.path) as picture:
         assert picture.size == (404, 200)
+        assert picture.n_frames == 6  # the first player's episode goes on: what was asked for
+    ended = dataclasses.replace(opened.trace.snapshots[5], outcome="won")
+    moments = (*opened.trace.snapshots[:5], ended)
+    perform(dataclasses.replace(film, trace=dataclasses.replace(opened.trace, snapshots=moments)))
+    with Picture.open(film.path) as picture:
+        assert picture.n_frames == len(opened.trace.snapshots)  # to the second player's end
 
 
 def test_what_the_agent_sees_has_names_and_the_numbers_of_the_network(perform, keeper, watched):

@@ -230,6 +230,21 @@ def test_a_page_of_a_loop_shows_both_players_at_the_same_time(session, tmp_path,
     assert shown[1].position[:, 0, 0].tolist() == [5]
 
 
+def test_a_page_of_a_comparison_goes_on_to_the_second_players_end(session, tmp_path, monkeypatch):
+    first, rival = [moment(k, 2) for k in range(4)], [moment(k, 2) for k in range(9)]
+    first[-1] = dataclasses.replace(first[-1], outcome="won")
+    rival[-1] = dataclasses.replace(rival[-1], outcome="lost")
+    one, two = (
+        Trace(physics="fast", perturbed=False, snapshots=tuple(each), actions=())
+        for each in (first, rival)
+    )
+    shown = []
+    monkeypatch.setattr(export, "_rival", lambda session, trace: two)
+    monkeypatch.setattr(export, "page_of", lambda films: shown.extend(films) or "")
+    export.write_page(session, session.document.level, one, tmp_path / "a.html")
+    assert [(film.outcome, len(film.seconds)) for film in shown] == [("won", 4), ("lost", 9)]
+
+
 def moment(step, skip):
     nothing = np.zeros(4)
     return Snapshot(

@@ -831,6 +831,19 @@ def test_the_levels_of_a_set_are_those_of_the_gallery(session, folder):
     assert len(session.gallery.tray) == 1
 
 
+def test_a_set_with_a_damaged_level_gives_the_others(session, folder, tmp_path):
+    save_level(playable("Other", 2.5), folder / "other.json")
+    levels = {folder / "rocket.json": 2.5, folder / "other.json": 1.0}
+    export_set(levels, SetPlan(form="folder"), tmp_path / "class")
+    (tmp_path / "class" / "other.json").write_text('{"format":')
+    actions.handle(session, DropEvent(path=str(tmp_path / "class" / "set.json")))
+    told = session.prompts[-1].message
+    assert "\nother.json: this is no level, or a damaged one" in told
+    assert str(tmp_path) not in told and "$" not in told
+    session.answer(session.prompts[-1], "others")
+    assert session.gallery.tray == {str(tmp_path / "class" / "rocket.json"): 2.5}
+
+
 def test_a_set_that_another_one_takes_the_place_of_comes_back(session, folder, tmp_path):
     export_set({folder / "rocket.json": 2.5}, SetPlan(form="folder"), tmp_path / "other")
     mine = {str(folder / "rocket.json"): 5.0, str(folder / "hill_cart.json"): 1.0}

@@ -204,6 +204,14 @@ def test_why_a_file_cannot_be_opened_is_told_by_its_name_first(
     assert str(path) in session.log.lines[-1]
 
 
+def test_the_folder_of_a_file_is_told_from_the_root_on(session, tmp_path, monkeypatch):
+    (tmp_path / "class").mkdir()
+    (tmp_path / "class" / "bad.json").write_text("{")
+    monkeypatch.chdir(tmp_path)
+    assert not file.open_path(session, Path("class/bad.json"))
+    assert session.prompts[-1].message.endswith(f"\n{tmp_path / 'class'}")
+
+
 def test_many_bad_files_do_not_fill_the_screen(session, tmp_path):
     for k in range(200):
         actions.handle(session, DropEvent(path=str(tmp_path / f"{'n' * 100}{k}.json")))

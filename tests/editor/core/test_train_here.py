@@ -107,6 +107,16 @@ def test_a_training_that_learnt_nothing_leaves_nothing(session, began):
     assert session.training.run == run
 
 
+def test_messages_name_the_level_and_a_promise_goes_with_the_training(session, began):
+    session.open_tab(Document(_trainable().replace(name="Fly & land")))
+    actions.run(session, "agent.train_here")
+    assert "Training on Fly & land: its newest attempt" in texts(session)[-1]
+    actions.run(session, "agent.stop_training")
+    began[0][1].status = 143
+    settle(session)
+    assert texts(session) == ["Training on Fly & land: stopped before anything was learnt."]
+
+
 def test_a_training_that_still_compiles_ends_at_once_and_leaves_nothing(session, began):
     actions.run(session, "agent.train_here")
     run = session.training.run

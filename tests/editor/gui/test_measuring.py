@@ -245,6 +245,19 @@ def test_differences_are_in_one_language(with_agent, said):
     assert told.endswith(", und 1 weitere")
 
 
+def test_it_is_said_why_nothing_can_be_evaluated(viewer_gui, monkeypatch):
+    told = {}
+    monkeypatch.setattr(
+        widgets, "tooltip", lambda title, detail="", *_, **__: told.update({title: detail})
+    )
+    front(viewer_gui, "evaluate")
+    assert "Choose an agent first" in told["Evaluate"]
+    viewer_gui.click("evaluate.noop")
+    told.clear()
+    viewer_gui.frames(2)
+    assert "Evaluate" not in told
+
+
 def test_the_ways_of_another_level_are_not_shown_for_its_attempts(with_agent):
     gui, session = with_agent, with_agent.session
     with_results(gui, "Tester", level=session.document.level)
@@ -270,8 +283,12 @@ def test_the_ways_of_another_level_are_not_shown_for_its_attempts(with_agent):
     assert session.viewer.ways is None and not gui.shows("evaluate.attempt.1")
 
 
-def test_ways_are_forgotten_where_another_result_is_chosen(with_agent):
+def test_ways_are_forgotten_where_another_result_is_chosen(with_agent, monkeypatch):
     gui, session = with_agent, with_agent.session
+    told = {}
+    monkeypatch.setattr(
+        widgets, "tooltip", lambda title, detail="", *_, **__: told.update({title: detail})
+    )
     with_results(gui, "Tester", "Other", level=session.document.level)
     gui.stage.paths = AttemptPaths(
         level_hash=session.document.hash,
@@ -285,6 +302,7 @@ def test_ways_are_forgotten_where_another_result_is_chosen(with_agent):
     settle(gui)
     gui.frames(2)
     assert session.viewer.ways_of(0, 0) is not None
+    assert told["Hide Paths"] != told["Show Paths"]
     gui.click("evaluate.s/a.1")
     gui.frames(2)
     assert session.viewer.ways is None

@@ -83,13 +83,13 @@ def training(tmp_path):
     """A session that trains an agent, and shows no run."""
     session = a_session()
     session.training = LocalTraining(lambda words, log: Busy())
-    session.training.begin(tmp_path / "level.json", tmp_path / "rover")
+    session.training.begin(tmp_path / "level.json", tmp_path / "rover", "Rover")
     return session
 
 
 def test_a_training_is_told_and_can_be_ended_where_no_run_is_watched(make_gui, training):
     gui = make_gui(session=training)
-    assert next(part.words for part in StatusBar().numbers(training)).endswith("Training rover")
+    assert next(part.words for part in StatusBar().numbers(training)).endswith("Training Rover")
     gui.click("status.view.training")
     gui.frames(4)
     gui.click("training.watch_own")

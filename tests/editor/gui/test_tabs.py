@@ -4,7 +4,9 @@ import pytest
 
 from editor.actions.files import file
 from editor.base import language
+from editor.documents.commands.fields import SetLevelField
 from editor.documents.document import Document
+from editor.toolkit.widgets import px
 from kinetix.level.model import Level
 from kinetix.paths import levels_dir
 
@@ -98,3 +100,35 @@ def test_signs_in_a_name_cut_no_words(make_gui):
     gui.frames(4)
     widths = [gui.probe(f"tabs.{k}").high[0] - gui.probe(f"tabs.{k}").low[0] for k in range(1, 5)]
     assert widths[1] > widths[0] + 40 and widths[2] > widths[0] + 40 and widths[3] > widths[0]
+
+
+def test_a_tab_that_gets_a_long_name_stays_in_sight(make_gui):
+    gui = make_gui(size=(900, 600))
+    gui.frames(10)
+    for _ in range(12):
+        draw(gui)
+        gui.key("ctrl+n")
+        gui.frames(4)
+    draw(gui)
+    gui.frames(10)
+    gui.session.document.commit(SetLevelField(field="name", value="An extraordinary " * 5))
+    gui.frames(30)
+    tab, new = gui.probe("tabs.12"), gui.probe("tabs.new")
+    assert tab.high[0] - tab.low[0] < px(300)
+    assert tab.high[0] <= new.low[0] + px(2)
+
+
+def test_a_list_of_the_tabs_brings_one_to_the_front(make_gui):
+    gui = make_gui(size=(900, 600))
+    gui.frames(10)
+    for _ in range(8):
+        draw(gui)
+        gui.key("ctrl+n")
+        gui.frames(4)
+    gui.frames(10)
+    left, row = gui.probe("canvas").low[0], gui.probe("tabs.new")
+    gui.click_at(left + px(8), row.centre[1])
+    gui.frames(6)
+    gui.click_at(left + px(25), row.high[1] + px(9))
+    gui.frames(10)
+    assert gui.session.tabs.index_in_front == 0

@@ -15,9 +15,11 @@ from editor.actions.watching import agents, watch
 from editor.agents.evaluation import Plan, bare_summary
 from editor.agents.metrics import Metrics
 from editor.base.prompts import Choice, FileQuestion, MenuQuestion
+from editor.drawing import agent_overlay
 from editor.drawing.agent_overlay import most_entropy, value_range
 from editor.drawing.futures_overlay import futures_of, outlook, paint_futures
 from editor.play.mode import Mode
+from editor.toolkit.widgets import px
 from editor.window import canvas, play_side
 from editor.window.file_choice import nothing_here
 from editor.window.panels import timeline
@@ -219,22 +221,36 @@ def test_the_plate_covers_no_narrow_canvas(with_agent, monkeypatch, size, shown)
 
 
 @pytest.mark.parametrize("compare", ["off", "side"])
-def test_the_plate_knows_the_room_around_the_arena_that_is_nearest(
-    with_agent, monkeypatch, compare
-):
-    session, rooms = with_agent.session, []
-    monkeypatch.setattr(canvas, "paint_numbers", lambda *_, room: rooms.append(room))
+def test_the_plate_stands_at_the_right_of_its_players_arena(with_agent, monkeypatch, compare):
+    session, plates = with_agent.session, []
+    monkeypatch.setattr(canvas, "paint_numbers", lambda *args, room: plates.append((args[2], room)))
     session.viewer.slots["b"].summary = a_summary("Other")
     session.viewer.compare = compare
     with_agent.key("f6")
     with_agent.frames(20)
-    left, width = session.camera.origin[0], session.camera.size[0]
-    shift = width if compare == "side" else 0.0
-    edge = left + shift + width  # of the canvas
+    edge = session.camera.origin[0] + session.camera.size[0]  # of its part of the canvas
     nearest = session.camera.to_screen((5.0, 5.0))
-    room = rooms[-1]
-    assert 0 < edge - (nearest[0] + shift) - room.beside < 30
+    (right, _), room = plates[-1]
+    assert 0 < edge - right < 15
+    assert 0 < edge - nearest[0] - room.beside < 30
+    assert 0 < room.across < session.camera.size[0]
     assert abs(session.camera.origin[1] + room.above - nearest[1]) < 15
+
+
+@pytest.mark.parametrize("size", [(1280, 800), (800, 600), (720, 500)])
+def test_the_bars_of_the_plate_can_be_read(with_agent, monkeypatch, size):
+    session, bars = with_agent.session, []
+    bar = agent_overlay._Row.bar
+    monkeypatch.setattr(agent_overlay._Row, "bar", lambda row: bars.append(bar(row)) or bars[-1])
+    with_agent.host.size = size
+    with_agent.key("f6")
+    with_agent.frames(20)
+    mind = Mind(intention=(0.0,) * 6, own_action=(0.0,) * 6, value=0.4, entropy=1.0)
+    session.playback.pause()
+    session.playback.current.snapshot = dataclasses.replace(session.playback.snapshot, mind=mind)
+    with_agent.frames(3)
+    assert bars
+    assert min(right - left for left, right, _ in bars) >= px(60)
 
 
 def test_the_plate_says_what_the_plan_leads_to():
@@ -303,6 +319,29 @@ def test_each_of_two_players_has_its_own_verdict(with_agent, monkeypatch, compar
     assert [outcome for outcome, _ in shown] == [outcome for outcome, _ in told]
     for (_, detail), (_, words) in zip(shown, told, strict=True):
         assert detail.startswith(words)
+
+
+@pytest.mark.parametrize("size", [(1600, 1000), (640, 480)])
+def test_what_is_said_of_the_end_covers_no_more_than_a_third_of_an_arena(
+    with_agent, monkeypatch, size
+):
+    session, plates = with_agent.session, []
+    session.playback.simulator.ends_at = session.viewer.rival.simulator.ends_at = 5
+    session.viewer.slots["b"].summary = a_summary("Other")
+    session.viewer.compare = "side"
+    underlay = play_side._Column.underlay
+
+    def noted(column, top):
+        plates.append((column.reach[0] - column.x) * (column.reach[1] - top))
+        underlay(column, top)
+
+    monkeypatch.setattr(play_side._Column, "underlay", noted)
+    with_agent.host.size = size
+    with_agent.key("f6")
+    with_agent.frames(60)
+    assert session.mode is Mode.ENDED
+    left, right = (session.camera.to_screen((x, 0.0))[0] for x in (0.0, 5.0))
+    assert max(plates[-2:]) < (right - left) ** 2 / 3
 
 
 def test_it_is_said_in_its_half_how_far_the_second_player_is_that_plays_on(with_agent, monkeypatch):
