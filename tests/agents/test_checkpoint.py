@@ -3,6 +3,7 @@
 import dataclasses
 import json
 import os
+import resource
 import shutil
 import time
 from pathlib import Path
@@ -257,6 +258,19 @@ def test_a_damaged_directory(copy, damage, sentence):
         load_agent(copy)
     assert "\n" not in str(caught.value)
     assert str(copy) in str(caught.value)
+
+
+def test_a_limit_on_the_size_of_files_is_one_sentence(agent, tmp_path, capfd):
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (4 * 1024, before[1]))
+    try:
+        with pytest.raises(CheckpointError) as caught:
+            save_agent(agent, tmp_path / "agent")
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
+    assert str(caught.value) == f"{tmp_path / 'agent'}: cannot be written: File too large"
+    assert capfd.readouterr() == ("", "")
+    assert not list(tmp_path.iterdir())
 
 
 def test_a_truncated_array_prints_nothing_but_the_sentence(copy, capfd):
