@@ -349,6 +349,16 @@ def test_what_is_no_agent(tmp_path):
         load_agent(tmp_path)
 
 
+def test_of_the_folder_of_a_sweep_or_of_seeds_a_run_is_to_be_named(tmp_path):
+    run = tmp_path / "seeds" / "seed_0"
+    (run / "checkpoints" / "64").mkdir(parents=True)
+    for folder in (tmp_path / "seeds", tmp_path):
+        with pytest.raises(CheckpointError) as caught:
+            load_agent(folder)
+        said = f"{folder}: is a folder of runs; name one of them, such as {run}"
+        assert str(caught.value) == said
+
+
 def test_nothing_else_is_overwritten(agent, tmp_path):
     (tmp_path / "letter.txt").write_text("mine")
     with pytest.raises(CheckpointError, match="is not empty and holds no agent"):
