@@ -325,6 +325,15 @@ def test_the_help_shows_what_an_option_takes_and_no_word_for_nothing(capsys):
     assert "None" not in capsys.readouterr().err
 
 
+@pytest.mark.parametrize("words", [["validate"], ["levelset", "build"], ["train", "bc"]])
+def test_the_help_shows_only_defaults_that_say_something(words, capsys):
+    assert cli.main([*words, "--help"]) == 0
+    told = " ".join(capsys.readouterr().out.replace("│", " ").split())
+    assert ("(default: 0.8)" in told) == (words[-1] == "build")
+    for nothing in ("(default: )", "(default: None)", "(default: False)", "(())", " ()", "(None)"):
+        assert nothing not in told
+
+
 def test_the_help_of_a_training_shows_the_values_that_it_takes_by_itself(capsys):
     assert cli.main(["train", "bc", "--help"]) == 0
     told = " ".join(capsys.readouterr().out.replace("│", " ").split())
