@@ -140,6 +140,7 @@ def _can_be_filled(folder: Path) -> bool:
 
 
 def _parse(module: ModuleType, name: str, words: Sequence[str]) -> Any:
+    from kinetix.cli.shared.examples import example_of
     from kinetix.command_line.parse import parse  # here: the overview stays instant
 
     return parse(
@@ -147,6 +148,7 @@ def _parse(module: ModuleType, name: str, words: Sequence[str]) -> Any:
         program=f"kinetix {name}",
         description=module.__doc__,
         words=words,
+        example=example_of(name, words),
     )
 
 
