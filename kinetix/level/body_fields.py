@@ -30,7 +30,7 @@ class BodyFields(typing.TypedDict, total=False):
     role: Role
     collision: Collision
     name: str | None
-    """What the editor calls it; 1 to 60 characters."""
+    """Name for people, of 1 to 60 characters; the editor shows it."""
 
 
 _LARGEST: Final = 1e18

@@ -187,7 +187,7 @@ class _Source(NamedTuple):
     where: str
     weak: bool = False
     advice: str = ""
-    """What to do about an unknown name."""
+    """Words for whoever meets an unknown name."""
 
 
 def _sources(

@@ -109,7 +109,7 @@ WRONG = {
     "restitution": (lambda b: b.circle(0, 0, 1, restitution=2), "restitution 2: expected 0 … 1"),
     "friction": (lambda b: b.circle(0, 0, 1, friction=-1), "friction -1: expected at least 0"),
     "role": (lambda b: b.circle(0, 0, 1, role="pink"), "expected one of none, green, blue, red"),
-    "name": (lambda b: b.circle(0, 0, 1, name=""), "name '': expected 1 to 60 characters"),
+    "body's name": (lambda b: b.circle(0, 0, 1, name=""), "name '': expected 1 to 60 characters"),
     "velocity": (lambda b: b.circle(0, 0, 1, velocity=3), "velocity 3: expected two numbers"),
     "clockwise": (lambda b: b.polygon([(0, 0), (0, 1), (1, 0)]), "got clockwise ones"),
     "corners": (lambda b: b.polygon([(0, 0), (1, 0)]), "expected 3 or 4 vertices, got 2"),

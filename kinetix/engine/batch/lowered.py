@@ -23,7 +23,6 @@ import jaxlib.version
 from jax import export
 from jaxtyping import Array
 
-import kinetix
 from kinetix.engine import constants
 from kinetix.engine.batch.program import shaped
 from kinetix.files.caches import CACHES, bound, cache_folder
@@ -31,7 +30,7 @@ from kinetix.files.kept import read_kept, write_kept
 from kinetix.source_digest import digest
 
 _ENGINE: Final = "kinetix.engine."
-_SOURCES: Final = os.path.join(os.path.dirname(kinetix.__file__), "")
+_SOURCES: Final = f"{Path(constants.__file__).parents[1]}{os.sep}"
 _LIBRARY: Final = os.path.dirname(os.__file__)
 """Folder of Python's own modules, whose decorators the engine uses."""
 _PLATFORM: Final = "cpu"
