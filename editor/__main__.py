@@ -23,6 +23,7 @@ from editor.worker.bridge import keep_what_was_compiled
 from kinetix.command_line.parse import parse
 from kinetix.errors import KinetixError
 from kinetix.failures import Terminated, ending_signals, guarded, leave, signals_to, terminable
+from kinetix.files.compiled import mended_programs
 from kinetix.paths import levels_dir, working_dir
 from kinetix.version import __version__
 
@@ -312,7 +313,7 @@ def main() -> int:
         return 1
     # XLA warns on stderr about every compiled function that it finds in its cache.
     os.environ.setdefault("TF_CPP_MIN_LOG_LEVEL", "3")
-    with terminable():
+    with terminable(), mended_programs():
         status = guarded(
             lambda: _run(parse(Options, program="kinetix-editor")),
             name="kinetix-editor",

@@ -1,9 +1,11 @@
 """Trees of arrays on disk: orbax directories, which hold JSON and numbers, nothing that runs."""
 
+import errno
 import hashlib
 import os
 import shutil
 import stat
+import tempfile
 from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
@@ -17,6 +19,8 @@ from kinetix.files.limits import CHECKPOINT_FILES, LIMITS, MIB
 Tree = Mapping[str, Any]
 """Nested dictionaries whose leaves are arrays (or shapes and dtypes)."""
 
+_NO_ROOM = (errno.ENOSPC, errno.EFBIG, errno.EDQUOT)
+"""The system's reasons for not writing so much."""
 _MANY = 3
 """Differing tensors that a sentence names; further ones are only counted."""
 
@@ -105,13 +109,22 @@ def write_arrays(directory: Path, tree: Tree) -> None:
 
 
 def _check_room(directory: Path, size: int) -> None:
-    """Raise if the disk is too full: orbax would report it in hundreds of lines."""
+    """Raise if there is no room for so many bytes: orbax would report it in hundreds of lines."""
     needed = size + size // 8 + 2 * MIB
     free = shutil.disk_usage(directory.parent).free
     if free < needed:
         raise OSError(
             f"No space left on device: {needed // MIB} MiB are needed, {free // MIB} MiB are free"
         )
+    if not hasattr(os, "posix_fallocate"):
+        return
+    # Quotas and limits on the size of files show only where the room is taken.
+    with tempfile.TemporaryFile(dir=directory.parent) as trial:
+        try:
+            os.posix_fallocate(trial.fileno(), 0, max(size, 1))
+        except OSError as error:
+            if error.errno in _NO_ROOM:
+                raise OSError(error.strerror) from None
 
 
 def read_arrays(directory: Path, shapes: Tree) -> dict[str, Any]:
@@ -244,9 +257,9 @@ def _reason(error: Exception) -> str:
     if isinstance(error, (AttributeError, KeyError, TypeError)):  # met where a part is not there
         return "one of their files is missing or damaged"
     text = str(error).strip()
-    if "OUT_OF_RANGE" in text:
-        return "one of their files is shorter than it was"
-    for said in ("No space left on device", "Permission denied", "Read-only file system"):
+    for said in map(os.strerror, (*_NO_ROOM, errno.EACCES, errno.EROFS)):
         if said in text:
             return said
+    if "OUT_OF_RANGE" in text:
+        return "one of their files is shorter than it was"
     return text.split("\n", 1)[0][:200] or type(error).__name__

@@ -170,7 +170,7 @@ def newest_checkpoint(directory: Path) -> Path:
         directory: A checkpoint or a run.
 
     Raises:
-        CheckpointError: The directory has no checkpoint.
+        CheckpointError: The directory has no checkpoint of its own.
     """
     if os.path.isfile(directory / CARD):
         return directory
@@ -179,6 +179,15 @@ def newest_checkpoint(directory: Path) -> Path:
         return directory / RUN_CHECKPOINTS / str(steps[-1])
     if os.path.isdir(directory / RUN_CHECKPOINTS):
         raise CheckpointError(f"{directory}: this training run has no complete checkpoint yet")
+    runs = sorted(
+        path.parent
+        for below in ("*", "*/seed_*")
+        for path in directory.glob(f"{below}/{RUN_CHECKPOINTS}")
+    )
+    if runs:
+        raise CheckpointError(
+            f"{directory}: is a folder of runs; name one of them, such as {runs[0]}"
+        )
     raise CheckpointError(
         f"{directory}: expected an agent: {CARD} with {PARAMS}/, or params.safetensors with "
         "config.json, or a training run with checkpoints/"

@@ -61,15 +61,17 @@ class Difference:
 
 
 def labels_of(provenances: Sequence[Provenance]) -> list[str]:
-    """Return a label per policy: its name, and its digest where two have the same name."""
+    """Return a label per policy: its name, its digest where two have the same name, its number."""
     names = [one.agent for one in provenances]
-    labels = []
-    for place, one in enumerate(provenances):
-        label = one.agent
-        if names.count(one.agent) > 1:
-            label = f"{one.agent} {one.digest[:6]}".strip()
-        labels.append(label if label not in labels else f"{label} ({place + 1})")
-    return labels
+    labels = [
+        f"{one.agent} {one.digest[:6]}".strip() if names.count(one.agent) > 1 else one.agent
+        for one in provenances
+    ]
+    counts = [labels[: place + 1].count(label) for place, label in enumerate(labels)]
+    return [
+        label if count == 1 else f"{label} ({count})"
+        for label, count in zip(labels, counts, strict=True)
+    ]
 
 
 def paired(first: Contender, second: Contender) -> Difference:

@@ -27,6 +27,7 @@ from kinetix.failures import (
     plain_streams,
 )
 from kinetix.files.caches import tidy_caches
+from kinetix.files.compiled import mended_programs
 from kinetix.paths import cache_dir
 
 COMMANDS: Final[dict[str, str]] = {
@@ -110,7 +111,7 @@ def _run(name: str, words: Sequence[str]) -> int:
     except SystemExit as stop:  # the parser's way out: 0 after --help, 2 after a usage error
         return stop.code if isinstance(stop.code, int) else 2
     _check_seed(name, command)
-    with plain_streams():
+    with plain_streams(), mended_programs():
         if isinstance(command, OneCore):
             check_cores(command.cores)
         elif hasattr(command, "cores"):
@@ -139,6 +140,7 @@ def _can_be_filled(folder: Path) -> bool:
 
 
 def _parse(module: ModuleType, name: str, words: Sequence[str]) -> Any:
+    from kinetix.cli.shared.examples import example_of
     from kinetix.command_line.parse import parse  # here: the overview stays instant
 
     return parse(
@@ -146,6 +148,7 @@ def _parse(module: ModuleType, name: str, words: Sequence[str]) -> Any:
         program=f"kinetix {name}",
         description=module.__doc__,
         words=words,
+        example=example_of(name, words),
     )
 
 

@@ -74,10 +74,9 @@ def _arguments(algorithm: str) -> type[Common]:
         for field in dataclasses.fields(owner):
             if field.name in {"network", "dummy_env", *CONFIGS[algorithm].unread}:
                 continue
-            text = f"{notes[field.name]} ({small.get(field.name, field.default)})"
-            kind: Any = Annotated[
-                field.type | None, tyro.conf.arg(help=text, help_behavior_hint="")
-            ]  # pyright: ignore
+            default = small.get(field.name, field.default)
+            text = notes[field.name] + (f" ({default})" if default not in (None, "", ()) else "")
+            kind: Any = Annotated[field.type | None, tyro.conf.arg(help=text)]  # pyright: ignore
             fields.append((field.name, kind, None))
     made = dataclasses.make_dataclass(
         algorithm.capitalize(), fields, bases=(Common,), frozen=True, kw_only=True

@@ -1,21 +1,52 @@
-"""Rules for options: numbers as people write them; the help of an optional one names its type."""
+"""Rules for options: numbers as people write them; the help names types, and defaults if any."""
 
 import dataclasses
 import re
 import types
 from collections.abc import Callable
-from typing import Any, Final, Union, get_args, get_origin
+from typing import Annotated, Any, Final, Union, get_args, get_origin
 
+import tyro
 from tyro.constructors import (
     ConstructorRegistry,
     PrimitiveConstructorSpec,
     PrimitiveTypeInfo,
+    StructConstructorSpec,
+    StructTypeInfo,
     UnsupportedTypeAnnotationError,
 )
 
 OPTIONS: Final = ConstructorRegistry()
 """Rules for options of all commands, in addition to tyro's."""
 _EXPONENT: Final = re.compile(r"\d+(\.\d+)?[eE]\+?\d{1,2}")
+
+_NOTHING: Final = ("", "None", "False")
+"""Defaults that say no more than that an option is left out."""
+_UNDER_WAY: Final[list[type]] = []
+"""Commands whose fields are being read."""
+
+
+@OPTIONS.struct_rule
+def _command(info: StructTypeInfo) -> StructConstructorSpec | None:
+    """Return a command as tyro reads it, but for defaults that say nothing in its help."""
+    if not dataclasses.is_dataclass(info.type) or info.type in _UNDER_WAY:
+        return None
+    _UNDER_WAY.append(info.type)
+    try:
+        spec = OPTIONS.get_struct_spec(info)
+    finally:
+        _UNDER_WAY.pop()
+    if not isinstance(spec, StructConstructorSpec):
+        return None
+    shown = tyro.conf.arg(help_behavior_hint=_shown_default)
+    fields = [
+        dataclasses.replace(field, type=Annotated[field.type, shown]) for field in spec.fields
+    ]
+    return dataclasses.replace(spec, fields=tuple(fields))
+
+
+def _shown_default(default: str) -> str:
+    return "" if default in _NOTHING else f"(default: {default})"
 
 
 @OPTIONS.primitive_rule

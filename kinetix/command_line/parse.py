@@ -26,6 +26,7 @@ def parse(
     program: str,
     description: str | None = None,
     words: Sequence[str] | None = None,
+    example: str = "",
 ) -> _Command:
     """Read the words of a command line; ends the process after help, or a sentence on a mistake.
 
@@ -34,6 +35,7 @@ def parse(
         program: The command as people type it, for the help.
         description: First lines of the help; by default the docstring of `command`.
         words: The words after the program's; by default those of this process.
+        example: A command line to copy, below the help.
     """
     words = [_as_a_shell_gives_it(word) for word in (sys.argv[1:] if words is None else words)]
     columns = os.environ.get("COLUMNS", "")
@@ -50,6 +52,8 @@ def parse(
             registry=OPTIONS,
         )
     except SystemExit as stop:
+        if example and not stop.code:
+            sys.stdout.write(f"Example: {example}\n")
         first = words[:1]
         if stop.code and first and not isinstance(command, type) and first[0].isalpha():
             # Of some mistakes tyro names the help of the whole command, which has no options.

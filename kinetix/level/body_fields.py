@@ -7,7 +7,7 @@ from typing import Any, Final
 import numpy as np
 
 from kinetix.errors import LevelError, plain
-from kinetix.level.model import COLLISIONS, ROLES, Collision, Point, Role
+from kinetix.level.model import COLLISIONS, MAX_NAME, ROLES, Collision, Point, Role
 
 
 class BodyFields(typing.TypedDict, total=False):
@@ -29,6 +29,8 @@ class BodyFields(typing.TypedDict, total=False):
     """Nothing moves it."""
     role: Role
     collision: Collision
+    name: str | None
+    """Name for people, of 1 to 60 characters; the editor shows it."""
 
 
 _LARGEST: Final = 1e18
@@ -62,6 +64,9 @@ def check_fields(fields: dict[str, Any]) -> None:
             raise LevelError(f"{name} {value!r}: expected one of {', '.join(_CHOICES[name])}")
         if name in _RANGES:
             fields[name] = real(name, value, *_RANGES[name])
+    name = fields.get("name")
+    if name is not None and not (isinstance(name, str) and 1 <= len(name) <= MAX_NAME):
+        raise LevelError(f"name {name!r:.80}: expected 1 to {MAX_NAME} characters")
     if "velocity" in fields:
         fields["velocity"] = pair("velocity", fields["velocity"])
     if "density" in fields:

@@ -4,10 +4,11 @@ import math
 from collections.abc import Iterable
 from typing import Final, Literal
 
-from kinetix.level.geometry import ARENA_WIDTH, reverse_winding
+from kinetix.level.geometry import ARENA_WIDTH, arena_body, reverse_winding, to_local, to_world
 from kinetix.level.model import (
     Arena,
     ArenaBody,
+    ArenaName,
     Body,
     BodyReference,
     Circle,
@@ -27,7 +28,7 @@ MIDDLE: Final = ARENA_WIDTH / 2
 End = Literal["a", "b"]
 BOTH: Final[tuple[End, End]] = ("a", "b")
 """Ends of a joint."""
-_WALLS: Final[dict[BodyReference, BodyReference]] = {
+_WALLS: Final[dict[BodyReference, ArenaName]] = {
     "left_wall": "right_wall",
     "right_wall": "left_wall",
 }
@@ -105,25 +106,34 @@ def mirrored_level(level: Level) -> Level:
     Args:
         level: The level; a recorded solution is dropped, as rounding may keep it from winning.
     """
-
-    def joint(old: Joint) -> Joint:
-        names = {end: _WALLS.get(getattr(old, end), getattr(old, end)) for end in BOTH}
-        return mirrored_joint(old, "x").replace(**names)
-
-    arena = level.arena
+    old = level.arena
+    arena = Arena(
+        floor=_mirrored_wall(old.floor),
+        left_wall=_mirrored_wall(old.right_wall),
+        right_wall=_mirrored_wall(old.left_wall),
+        ceiling=_mirrored_wall(old.ceiling),
+    )
     return level.replace(
         gravity=mirrored_point(level.gravity, "x"),
-        arena=Arena(
-            floor=_mirrored_wall(arena.floor),
-            left_wall=_mirrored_wall(arena.right_wall),
-            right_wall=_mirrored_wall(arena.left_wall),
-            ceiling=_mirrored_wall(arena.ceiling),
-        ),
+        arena=arena,
         bodies=tuple(mirrored_body(body, "x", MIDDLE) for body in level.bodies),
-        joints=tuple(joint(old) for old in level.joints),
-        thrusters=tuple(mirrored_thruster(old, "x") for old in level.thrusters),
+        joints=tuple(_between_walls(joint, old, arena) for joint in level.joints),
+        thrusters=tuple(mirrored_thruster(thruster, "x") for thruster in level.thrusters),
         solution=None,
     )
+
+
+def _between_walls(joint: Joint, before: Arena, after: Arena) -> Joint:
+    """Return a joint's mirror image; side walls, whose frames are no mirror images, are swapped."""
+    changes: dict[str, BodyReference | Point] = {}
+    for end in BOTH:
+        wall = getattr(joint, end)
+        if wall in _WALLS:
+            place = to_world(arena_body(before, wall), getattr(joint, f"anchor_{end}"))
+            changes[end] = other = _WALLS[wall]
+            image = mirrored_point(place, "x", MIDDLE)
+            changes[f"anchor_{end}"] = to_local(arena_body(after, other), image)
+    return mirrored_joint(joint, "x").replace(**changes)
 
 
 def _mirrored_wall(wall: ArenaBody) -> ArenaBody:

@@ -14,8 +14,18 @@ from kinetix.errors import CheckpointError, KinetixError
 from kinetix.files.regular import read_text
 from kinetix.training.config import RESUMABLE, PpoConfig
 from kinetix.training.logging import UPDATE, read_metrics
-from kinetix.training.settings import CONFIG, loads_config, make_config
+from kinetix.training.settings import (
+    CONFIG,
+    NETWORK,
+    as_table,
+    loads_config,
+    make_config,
+    toml_value,
+)
 from kinetix.wording import thousands
+
+_MANY = 3
+"""Missing values that a sentence names; further ones are only counted."""
 
 
 def check_same_run(out: Path, algorithm: str, config: PpoConfig) -> str:
@@ -54,6 +64,34 @@ def check_same_run(out: Path, algorithm: str, config: PpoConfig) -> str:
                 "another directory"
             )
     return length
+
+
+def unnamed_fields(out: Path, config: PpoConfig) -> str:
+    """Return a sentence about values that a run's file does not name; empty where it names all.
+
+    Args:
+        out: The run's directory.
+        config: What it trains with now.
+    """
+    path = out / CONFIG
+    if not os.path.isfile(path):
+        return ""
+    _, named = loads_config(read_text(path, "run"), str(path))
+    content = as_table(config)
+    content |= content.pop(NETWORK)
+    missing = [
+        f"{name} = {toml_value(value)}"
+        for name, value in content.items()
+        if value is not None and name not in named
+    ]
+    if not missing:
+        return ""
+    rest = len(missing) - _MANY
+    more = f" and {rest} more" if rest > 0 else ""
+    return (
+        f"{path}: does not say {', '.join(missing[:_MANY])}{more}; another version wrote "
+        "it, or somebody by hand: it is trained with these from now on"
+    )
 
 
 def _may_lie_there(path: Path) -> bool:

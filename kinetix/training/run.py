@@ -25,6 +25,7 @@ from kinetix.training.directory import (
     check_same_run,
     clear_leftovers,
     refuse_lost_checkpoints,
+    unnamed_fields,
     unreadable_agent,
 )
 from kinetix.training.imitation.clone import Clone
@@ -91,7 +92,7 @@ def train(  # noqa: PLR0913 (whom to tell what, besides what is trained)
     trainer.work.status = status
     if announce is not None and is_leader():
         announce(trainer.setup)
-    _say_first(trainer, config, say)
+    _say_first(trainer, out, say)
     with contextlib.ExitStack() as stack:
         if is_leader():
             stack.enter_context(locked_folder(out, "another training"))
@@ -149,8 +150,9 @@ def train(  # noqa: PLR0913 (whom to tell what, besides what is trained)
     return checkpoint_of(out, config, progress)
 
 
-def _say_first(trainer: Trainer, config: PpoConfig, say: Say) -> None:
+def _say_first(trainer: Trainer, out: Path, say: Say) -> None:
     """Report what a person may not expect of this training."""
+    config = trainer.setup.config
     if config.rounded:
         say(config.rounded)
     if config.demo_starts and not config.levels:
@@ -165,7 +167,8 @@ def _say_first(trainer: Trainer, config: PpoConfig, say: Say) -> None:
         )
     if isinstance(trainer, Clone):
         say(trainer.told)
-    for warning in (cut_short(trainer.setup), learns_nothing(trainer.setup)):
+    setup = trainer.setup
+    for warning in (unnamed_fields(out, config), cut_short(setup), learns_nothing(setup)):
         if warning:
             say(f"warning: {warning}")
 

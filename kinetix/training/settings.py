@@ -36,6 +36,9 @@ NETWORK = "network"
 """Table of the network's options."""
 _FROM_EMPTY: Final = "accel_start_from_empty"
 """Off where levels of some kind are named: ACCEL would not play one of them."""
+_OF_ANOTHER_VERSION: Final = (
+    "; another version wrote it, or somebody by hand: without its line the run goes on"
+)
 _PRESETS = resources.files("kinetix.training") / "presets"
 
 
@@ -172,7 +175,7 @@ def _given(algorithm: str, *, preset: str | None, file: Path | None, run: Path |
     )
     for source in _sources(algorithm, preset=preset, file=file, run=run):
         own: dict[str, Any] = {}
-        _take(own, given.network, source.content, algorithm, source.where)
+        _take(own, given.network, source, algorithm)
         given.fields |= own
         given.weak = given.weak | own.keys() if source.weak else given.weak - own.keys()
         given.told = f"{given.told}, {source.where}"
@@ -183,6 +186,8 @@ class _Source(NamedTuple):
     content: dict[str, Any]
     where: str
     weak: bool = False
+    advice: str = ""
+    """Words for whoever meets an unknown name."""
 
 
 def _sources(
@@ -197,7 +202,7 @@ def _sources(
             raise KinetixError(f"{stored}: does not say its algorithm; it is damaged")
         if began != algorithm:
             raise KinetixError(f"{stored}: this run was started with {began}, not {algorithm}")
-        yield _Source(content, str(stored))
+        yield _Source(content, str(stored), advice=_OF_ANOTHER_VERSION)
     if preset is not None:
         yield _Source(_preset(preset), f"preset {preset!r}", weak=True)
     if file is not None:
@@ -350,13 +355,8 @@ def _in_numbers(capacity: Capacity) -> str:
     return ",".join(map(str, dataclasses.astuple(capacity)))
 
 
-def _take(
-    fields: dict[str, Any],
-    network: dict[str, Any],
-    content: dict[str, Any],
-    algorithm: str,
-    where: str,
-) -> None:
+def _take(fields: dict[str, Any], network: dict[str, Any], source: _Source, algorithm: str) -> None:
+    content, where = source.content, source.where
     tables = {name: content.pop(name, {}) for name in (NETWORK, *CONFIGS)}
     for name in ("algorithm", START_FROM):
         content.pop(name, None)
@@ -373,7 +373,9 @@ def _take(
             if name not in names:
                 near = difflib.get_close_matches(name, sorted(names), 1)
                 hint = f"; did you mean {near[0]!r}?" if near else ""
-                raise KinetixError(f"{where}: {name!r} is not a field of {algorithm}{hint}")
+                raise KinetixError(
+                    f"{where}: {name!r} is not a field of {algorithm}{hint}{source.advice}"
+                )
         target.update(table)
 
 

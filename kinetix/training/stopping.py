@@ -34,6 +34,7 @@ class StopRequest:
             self.signal = number
             self._say("stopping after this update; Ctrl+C once more stops at once, without saving")
         elif number == signal.SIGINT:
+            self._say("stopped at once; the same command goes on from the last checkpoint, if any")
             raise self.error()
 
     def error(self) -> BaseException:

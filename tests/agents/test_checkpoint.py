@@ -3,6 +3,7 @@
 import dataclasses
 import json
 import os
+import resource
 import shutil
 import time
 from pathlib import Path
@@ -259,6 +260,19 @@ def test_a_damaged_directory(copy, damage, sentence):
     assert str(copy) in str(caught.value)
 
 
+def test_a_limit_on_the_size_of_files_is_one_sentence(agent, tmp_path, capfd):
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (4 * 1024, before[1]))
+    try:
+        with pytest.raises(CheckpointError) as caught:
+            save_agent(agent, tmp_path / "agent")
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
+    assert str(caught.value) == f"{tmp_path / 'agent'}: cannot be written: File too large"
+    assert capfd.readouterr() == ("", "")
+    assert not list(tmp_path.iterdir())
+
+
 def test_a_truncated_array_prints_nothing_but_the_sentence(copy, capfd):
     _truncate_arrays(copy)
     for _ in range(5):
@@ -333,6 +347,16 @@ def test_what_is_no_agent(tmp_path):
     (tmp_path / "checkpoints").mkdir()
     with pytest.raises(CheckpointError, match="no complete checkpoint yet"):
         load_agent(tmp_path)
+
+
+def test_of_the_folder_of_a_sweep_or_of_seeds_a_run_is_to_be_named(tmp_path):
+    run = tmp_path / "seeds" / "seed_0"
+    (run / "checkpoints" / "64").mkdir(parents=True)
+    for folder in (tmp_path / "seeds", tmp_path):
+        with pytest.raises(CheckpointError) as caught:
+            load_agent(folder)
+        said = f"{folder}: is a folder of runs; name one of them, such as {run}"
+        assert str(caught.value) == said
 
 
 def test_nothing_else_is_overwritten(agent, tmp_path):

@@ -13,6 +13,7 @@ from typing import get_args
 import pytest
 
 from kinetix import cli
+from kinetix.cli.shared.examples import EXAMPLES
 from kinetix.command_line.options import _whole
 from kinetix.errors import LevelError
 from kinetix.failures import KEPT_REPORTS, TERMINATED, interrupts_later
@@ -125,6 +126,7 @@ def test_an_interrupted_process_ends_whatever_its_threads_still_do(tmp_path):
     code = """
 import sys, threading
 from kinetix import cli
+from kinetix.cli.shared.examples import EXAMPLES
 
 def run(words):
     threading.Thread(target=threading.Event().wait).start()  # as one that compiles
@@ -323,6 +325,33 @@ def test_the_help_shows_what_an_option_takes_and_no_word_for_nothing(capsys):
     assert "{None" not in told
     assert cli.main(["convert", "a.json", "b.json", "--format", "foo"]) == 2
     assert "None" not in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("name", EXAMPLES)
+def test_examples_are_command_lines(name):
+    program, command, *words = shlex.split(EXAMPLES[name])
+    assert program == "kinetix" and f"{command} {words[0]}".startswith(name)
+    assert cli._parse(importlib.import_module(f"kinetix.cli.{command}"), command, words)
+
+
+@pytest.mark.parametrize(
+    ("words", "example"),
+    [(["train"], "train"), (["train", "bc"], "train bc"), (["train", "ppo"], "train")],
+)
+def test_the_help_ends_with_an_example(words, example, capsys):
+    assert cli.main([*words, "--help"]) == 0
+    assert capsys.readouterr().out.endswith(f"\nExample: {EXAMPLES[example]}\n")
+    assert cli.main([*words, "--no-such"]) == 2
+    assert "Example" not in "".join(capsys.readouterr())
+
+
+@pytest.mark.parametrize("words", [["validate"], ["levelset", "build"], ["train", "bc"]])
+def test_the_help_shows_only_defaults_that_say_something(words, capsys):
+    assert cli.main([*words, "--help"]) == 0
+    told = " ".join(capsys.readouterr().out.replace("│", " ").split())
+    assert ("(default: 0.8)" in told) == (words[-1] == "build")
+    for nothing in ("(default: )", "(default: None)", "(default: False)", "(())", " ()", "(None)"):
+        assert nothing not in told
 
 
 def test_the_help_of_a_training_shows_the_values_that_it_takes_by_itself(capsys):

@@ -3,6 +3,7 @@
 import contextlib
 import dataclasses
 import enum
+import functools
 import math
 
 import jax
@@ -10,7 +11,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from kinetix.engine import constants
+from kinetix.engine import actuators, constants
 from kinetix.engine.batch import lowered, worlds_last
 from kinetix.engine.batch.described import NotOurs, described
 from kinetix.engine.spec import Capacity
@@ -64,6 +65,17 @@ def test_a_constant_that_somebody_changes_is_another_program(folder, monkeypatch
     monkeypatch.setattr(constants, "TAUT", 2 * constants.TAUT)
     check(many()(VALUES))
     assert len(list(folder.iterdir())) == 2
+
+
+@pytest.mark.parametrize("changed", [functools.wraps, lambda _: lambda f: f, lambda _: jax.jit])
+def test_what_a_replaced_function_makes_is_not_kept(folder, monkeypatch, changed) -> None:
+    @changed(actuators.motor_fade)
+    def motor_fade(*_):
+        return 1.0
+
+    monkeypatch.setattr(actuators, "motor_fade", motor_fade)
+    check(many()(VALUES))
+    assert not folder.exists()
 
 
 @pytest.mark.parametrize("damage", [b"", b"\x78\x01damaged", None])

@@ -109,6 +109,7 @@ WRONG = {
     "restitution": (lambda b: b.circle(0, 0, 1, restitution=2), "restitution 2: expected 0 … 1"),
     "friction": (lambda b: b.circle(0, 0, 1, friction=-1), "friction -1: expected at least 0"),
     "role": (lambda b: b.circle(0, 0, 1, role="pink"), "expected one of none, green, blue, red"),
+    "body's name": (lambda b: b.circle(0, 0, 1, name=""), "name '': expected 1 to 60 characters"),
     "velocity": (lambda b: b.circle(0, 0, 1, velocity=3), "velocity 3: expected two numbers"),
     "clockwise": (lambda b: b.polygon([(0, 0), (0, 1), (1, 0)]), "got clockwise ones"),
     "corners": (lambda b: b.polygon([(0, 0), (1, 0)]), "expected 3 or 4 vertices, got 2"),
@@ -149,6 +150,13 @@ def test_what_cannot_be_is_said_in_a_sentence(name):
     make, text = WRONG[name]
     with pytest.raises(LevelError, match=text):
         make(kinetix.LevelBuilder())
+
+
+def test_bodies_have_names():
+    b = kinetix.LevelBuilder()
+    b.circle(1, 1, 0.2, name="ball")
+    b.rectangle(1, 1, 0.2, 0.2)
+    assert [body.name for body in b.build().bodies] == ["ball", None]
 
 
 def test_an_unknown_argument_lists_the_known_ones():

@@ -9,9 +9,11 @@ import pytest
 from kinetix.datasets.episode import solution_episode
 from kinetix.datasets.replays import replay
 from kinetix.environment.generators.documents import random_levels
+from kinetix.level.builder import LevelBuilder
 from kinetix.level.codec import dumps, load_level, loads
 from kinetix.level.geometry import bounds, referenced_body, to_world
 from kinetix.level.mirror import mirrored_level
+from kinetix.level.model import Arena, ArenaBody, Geometry
 
 LEVELS = ("s/goalkeeper", "s/circus_act", "s/first_flight", "l/hot_foot")
 
@@ -45,6 +47,32 @@ def test_anchors_are_where_the_mirror_shows_them(name: str) -> None:
                 for each, joint in ((level, before), (image, after))
             ]
             assert np.allclose((5 - places[0][0], places[0][1]), places[1], atol=1e-6)
+
+
+@pytest.mark.parametrize("moved", [False, True])
+def test_a_joint_on_a_side_wall_is_on_the_other_wall_where_the_mirror_shows_it(moved: bool) -> None:
+    """Both ends stay together, though the standard frames of both walls are in one place."""
+    b = LevelBuilder()
+    arm = b.rectangle(4.5, 2, 1, 0.1)
+    b.hinge(b.right_wall, arm, (5, 2))
+    b.hinge(arm, b.left_wall, (0, 3))
+    level = b.build()
+    if moved:
+        corners = ((-1.0, 3.0), (-1.0, -3.0), (1.0, -3.0), (1.0, 3.0))
+        place = Geometry(position=(-0.5, 2.5), vertices=corners)
+        level = level.replace(arena=Arena(left_wall=ArenaBody(geometry=place)))
+        on_wall = level.joints[1].replace(anchor_b=(0.5, 0.5))
+        level = level.replace(joints=(level.joints[0], on_wall))
+    image = mirrored_level(level)
+    assert [(joint.a, joint.b) for joint in image.joints] == [
+        ("left_wall", arm),
+        (arm, "right_wall"),
+    ]
+    for joint, there in zip(image.joints, ((0, 2), (5, 3)), strict=True):
+        ends = ((joint.a, joint.anchor_a), (joint.b, joint.anchor_b))
+        for body, anchor in ends:
+            assert np.allclose(to_world(referenced_body(image, body), anchor), there)
+    assert mirrored_level(image).joints == level.joints
 
 
 def test_the_same_actions_play_the_mirror_image() -> None:

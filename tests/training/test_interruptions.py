@@ -145,6 +145,16 @@ def test_a_hang_up_that_nohup_ignores_stays_ignored():
         signal.signal(signal.SIGHUP, before)
 
 
+def test_a_second_interruption_says_where_the_run_goes_on():
+    told = []
+    with pytest.raises(KeyboardInterrupt), stop_requests(told.append):
+        os.kill(os.getpid(), signal.SIGINT)
+        os.kill(os.getpid(), signal.SIGINT)
+    first, second = told
+    assert "once more stops at once" in first
+    assert "the same command goes on from the last checkpoint" in second
+
+
 @pytest.mark.parametrize(
     "numbers",
     [

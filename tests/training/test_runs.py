@@ -115,6 +115,24 @@ def test_a_run_that_is_continued_elsewhere_says_what_its_levels_are_relative_to(
         make_config("ppo", run=moved)
 
 
+def test_a_run_of_another_version_says_what_stops_it_and_what_it_adds(finished, tmp_path):
+    out, told = shutil.copytree(finished, tmp_path / "run"), []
+    path = out / "config.toml"
+    text = path.read_text()
+    path.write_text(re.sub("(?m)^(gamma|transformer_depth) = .*\n", "", text))
+    config = _config("ppo", dummy_env=True)
+    for _ in range(2):
+        train("ppo", config, out, say=told.append)
+    (warning,) = (words for words in told if words.startswith("warning"))
+    assert f"{path}: does not say gamma = 0.995, transformer_depth = " in warning
+    assert path.read_text() == text
+    path.write_text(f"clip = 3\n{text}")
+    with pytest.raises(KinetixError) as caught:
+        make_config("ppo", run=out)
+    assert str(caught.value).startswith(f"{path}: 'clip' is not a field of ppo")
+    assert str(caught.value).endswith("without its line the run goes on")
+
+
 def test_a_run_that_lost_its_checkpoints_is_not_overwritten(finished, tmp_path):
     emptied = shutil.copytree(finished, tmp_path / "emptied")
     shutil.rmtree(emptied / "checkpoints")

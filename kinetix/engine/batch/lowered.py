@@ -10,9 +10,12 @@ import contextlib
 import functools
 import hashlib
 import math
-from collections.abc import Callable, Sequence
+import os
+import sys
+from collections.abc import Callable, Iterator, Sequence
 from contextvars import ContextVar
 from pathlib import Path
+from types import CodeType
 from typing import Any, Final
 
 import jax
@@ -26,6 +29,10 @@ from kinetix.files.caches import CACHES, bound, cache_folder
 from kinetix.files.kept import read_kept, write_kept
 from kinetix.source_digest import digest
 
+_ENGINE: Final = "kinetix.engine."
+_SOURCES: Final = f"{Path(constants.__file__).parents[1]}{os.sep}"
+_LIBRARY: Final = os.path.dirname(os.__file__)
+"""Folder of Python's own modules, whose decorators the engine uses."""
 _PLATFORM: Final = "cpu"
 _CACHE: Final = "lowered"
 _SETTINGS: Final = ("jax_enable_x64", "jax_default_matmul_precision", "jax_use_shardy_partitioner")
@@ -62,13 +69,32 @@ def _constants() -> dict[str, Any]:
 
 
 def _declined() -> bool:
-    """Return whether the disk cache cannot be used: it is off, or the sources have changed."""
+    """Return whether the disk cache cannot be used: it is off, or what runs is not the sources."""
     settings = jax.config.values
     return (
         not settings["jax_enable_compilation_cache"]
         or settings["jax_persistent_cache_min_compile_time_secs"] == math.inf
         or digest() is None
+        or any(map(_is_foreign, _of_engine()))
     )
+
+
+def _of_engine() -> Iterator[Any]:
+    """Yield whatever has a name in a module of the engine."""
+    for name, module in tuple(sys.modules.items()):
+        if name.startswith(_ENGINE):
+            yield from tuple(vars(module).values())
+
+
+def _is_foreign(value: Any) -> bool:
+    """Return whether a function is from elsewhere: an experiment has put it into the engine."""
+    code = getattr(value, "__code__", None)
+    if code is None:  # `jax.jit` made it of one
+        code = getattr(getattr(value, "__wrapped__", None), "__code__", None)
+    if not isinstance(code, CodeType):
+        return False
+    file = code.co_filename
+    return not file.startswith(_SOURCES) and os.path.dirname(file) != _LIBRARY
 
 
 @functools.lru_cache(maxsize=64)
