@@ -64,9 +64,8 @@ def check_fields(fields: dict[str, Any]) -> None:
             raise LevelError(f"{name} {value!r}: expected one of {', '.join(_CHOICES[name])}")
         if name in _RANGES:
             fields[name] = real(name, value, *_RANGES[name])
-    name = fields.get("name")
-    if name is not None and not (isinstance(name, str) and 1 <= len(name) <= MAX_NAME):
-        raise LevelError(f"name {name!r:.80}: expected 1 to {MAX_NAME} characters")
+    if "name" in fields:
+        check_name(fields["name"])
     if "velocity" in fields:
         fields["velocity"] = pair("velocity", fields["velocity"])
     if "density" in fields:
@@ -75,6 +74,17 @@ def check_fields(fields: dict[str, Any]) -> None:
         if not isinstance(fields["fixed"], bool | np.bool_):
             raise LevelError(f"fixed {fields['fixed']!r}: expected True or False")
         fields["fixed"] = bool(fields["fixed"])
+
+
+def check_name(name: Any) -> str | None:
+    """Return a name for people, or None.
+
+    Raises:
+        LevelError: It is no string of 1 to 60 characters.
+    """
+    if name is not None and not (isinstance(name, str) and 1 <= len(name) <= MAX_NAME):
+        raise LevelError(f"name {name!r:.80}: expected 1 to {MAX_NAME} characters")
+    return name
 
 
 def real(name: str, value: Any, low: float = -math.inf, high: float = math.inf) -> float:

@@ -6,7 +6,15 @@ from collections.abc import Iterable, Sequence
 from typing import Any, Final
 
 from kinetix.errors import LevelError
-from kinetix.level.body_fields import BodyFields, check_fields, number_below, pair, real, size
+from kinetix.level.body_fields import (
+    BodyFields,
+    check_fields,
+    check_name,
+    number_below,
+    pair,
+    real,
+    size,
+)
 from kinetix.level.geometry import arena_body, centre_of_corners, polygon_fault, to_local
 from kinetix.level.model import (
     ARENA_NAMES,
@@ -186,6 +194,7 @@ class LevelBuilder:
         motor: Motor | None = None,
         limits: Limits | Sequence[float] | None = None,
         reference_angle: float | None = None,
+        name: str | None = None,
     ) -> int:
         """Join two bodies at a point so that they can turn against each other.
 
@@ -199,6 +208,7 @@ class LevelBuilder:
             limits: Least and greatest angle of b against a, or `kinetix.level.Limits` [rad].
             reference_angle: Angle of b minus angle of a that counts as zero; by default the present
                 one [rad].
+            name: For people, of 1 to 60 characters; the editor shows it.
 
         Raises:
             LevelError: A body is missing, or a value cannot be.
@@ -211,16 +221,30 @@ class LevelBuilder:
         if motor is not None:
             motor = _checked(motor)
         return self._join(
-            "revolute", (a, b), at, motor=motor, limits=limits, reference_angle=reference_angle
+            "revolute",
+            (a, b),
+            at,
+            motor=motor,
+            limits=limits,
+            reference_angle=reference_angle,
+            name=name,
         )
 
-    def weld(self, a: BodyReference, b: BodyReference, at: Sequence[float]) -> int:
-        """Join two bodies rigidly at a point of the world [m].
+    def weld(
+        self, a: BodyReference, b: BodyReference, at: Sequence[float], *, name: str | None = None
+    ) -> int:
+        """Join two bodies rigidly.
+
+        Args:
+            a: First body.
+            b: Second body.
+            at: The point in the world [m].
+            name: For people, of 1 to 60 characters; the editor shows it.
 
         Raises:
-            LevelError: A body is missing, or the point is not two finite numbers.
+            LevelError: A body is missing, or a value cannot be.
         """
-        return self._join("fixed", (a, b), at)
+        return self._join("fixed", (a, b), at, name=name)
 
     def thruster(
         self,
@@ -230,6 +254,7 @@ class LevelBuilder:
         angle: float,
         power: float,
         binding: int = 0,
+        name: str | None = None,
     ) -> int:
         """Add a thruster to a body.
 
@@ -239,6 +264,7 @@ class LevelBuilder:
             angle: Direction of its push at the start; it turns with the body [rad].
             power: Strength in units of 10 N.
             binding: Action channel that drives it, 0 or 1.
+            name: For people, of 1 to 60 characters; the editor shows it.
 
         Raises:
             LevelError: The body is missing, or a value cannot be.
@@ -254,6 +280,7 @@ class LevelBuilder:
             angle=real("angle", angle) - pushed.angle,
             power=real("power", power, low=0.0),
             binding=number_below("thruster: binding", binding, THRUSTER_BINDINGS),
+            name=check_name(name),
         )
         self._thrusters.append(thruster)
         return thruster.id
@@ -280,6 +307,7 @@ class LevelBuilder:
         motor: Motor | None = None,
         limits: Limits | None = None,
         reference_angle: float | None = None,
+        name: str | None = None,
     ) -> int:
         ends = _plain(ends[0]), _plain(ends[1])
         first, second = (self._find(end) for end in ends)
@@ -298,6 +326,7 @@ class LevelBuilder:
             reference_angle=real("reference_angle", reference_angle),
             motor=motor,
             limits=limits,
+            name=check_name(name),
         )
         self._joints.append(joint)
         return joint.id

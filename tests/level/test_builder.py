@@ -152,11 +152,19 @@ def test_what_cannot_be_is_said_in_a_sentence(name):
         make(kinetix.LevelBuilder())
 
 
-def test_bodies_have_names():
+def test_bodies_joints_and_thrusters_have_names():
     b = kinetix.LevelBuilder()
-    b.circle(1, 1, 0.2, name="ball")
-    b.rectangle(1, 1, 0.2, 0.2)
-    assert [body.name for body in b.build().bodies] == ["ball", None]
+    ball = b.circle(1, 1, 0.2, name="ball")
+    box = b.rectangle(1, 1, 0.2, 0.2)
+    b.hinge(ball, box, (1, 1), name="hip")
+    b.weld(box, b.floor, (1, 0), name="foot")
+    b.thruster(box, (1, 1), angle=0, power=1, name="jet")
+    level = b.build()
+    assert [body.name for body in level.bodies] == ["ball", None]
+    assert [joint.name for joint in level.joints] == ["hip", "foot"]
+    assert [thruster.name for thruster in level.thrusters] == ["jet"]
+    with pytest.raises(LevelError, match="name '': expected 1 to 60 characters"):
+        b.hinge(ball, box, (1, 1), name="")
 
 
 def test_an_unknown_argument_lists_the_known_ones():
