@@ -104,10 +104,11 @@ def measure_speed(settings: SpeedSettings) -> Iterator[dict[str, Any]]:
             f"observation {settings.observation!r}: expected one of {', '.join(kinds)}"
         )
     folder = settings.levels or levels_dir()
-    for size in settings.sizes:
-        files = levels_of(folder, parse_capacity(size))
+    found = {size: levels_of(folder, parse_capacity(size)) for size in settings.sizes}
+    for size, files in found.items():
         if not files:
             raise KinetixError(f"{folder}: there is no level of size {size}")
+    for size, files in found.items():
         for batch in settings.batches:
             groups = [[file] for file in files] if settings.specialised else [files]
             rates = [_rates(group, size, batch, settings) for group in groups]

@@ -7,6 +7,7 @@ import pytest
 
 from kinetix.bench import speed
 from kinetix.bench.speed import SpeedSettings, levels_of, measure_speed
+from kinetix.errors import KinetixError
 from kinetix.level.sets import build_set, gather_levels, save_set
 from kinetix.level.sizes import parse_capacity
 from kinetix.paths import levels_dir
@@ -48,3 +49,9 @@ def test_a_level_set_in_the_folder_is_left_out(tmp_path):
         build_set(gather_levels([tmp_path]), name="all", folder=tmp_path), tmp_path / "all.json"
     )
     assert levels_of(tmp_path, parse_capacity("s")) == [level]
+
+
+def test_all_sizes_are_checked_before_one_is_measured(monkeypatch):
+    monkeypatch.setattr("kinetix.bench.speed._rates", lambda *_: pytest.fail("measured"))
+    with pytest.raises(KinetixError, match="size 'xl': expected s, m, l"):
+        next(measure_speed(SpeedSettings(sizes=("s", "xl"))))

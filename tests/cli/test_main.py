@@ -126,7 +126,6 @@ def test_an_interrupted_process_ends_whatever_its_threads_still_do(tmp_path):
     code = """
 import sys, threading
 from kinetix import cli
-from kinetix.cli.shared.examples import EXAMPLES
 
 def run(words):
     threading.Thread(target=threading.Event().wait).start()  # as one that compiles

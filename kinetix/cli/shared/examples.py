@@ -12,9 +12,11 @@ EXAMPLES: Final = {
     "sample": "kinetix sample my_levels --size m --count 8 --seed 0 --machines",
     "eval": "kinetix eval --agent runs/goalkeeper --levels s/goalkeeper",
     "compare": "kinetix compare --agents runs/mine general noop --levels levels/s --out mine.html",
+    "levelset": "kinetix levelset verify my_set.json",
     "levelset build": "kinetix levelset build my_set.json --levels my_levels",
     "levelset verify": "kinetix levelset verify my_set.json",
     "levelset split": "kinetix levelset split my_set.json --seed 4",
+    "dataset": "kinetix dataset verify wins",
     "dataset record": "kinetix dataset record wins --agent planner --levels levels/s --wins",
     "dataset gather": "kinetix dataset gather wins --sources my_episodes my_levels",
     "dataset verify": "kinetix dataset verify wins",
@@ -26,6 +28,14 @@ EXAMPLES: Final = {
     "train accel": "kinetix train accel --size s --out runs/accel",
     "train dr": "kinetix train dr --size s --out runs/dr",
     "teach": "kinetix teach --size s --count 1000 --out wins",
+    "bench": "kinetix bench speed --sizes s --batches 64",
+    "bench render": "kinetix bench render",
+    "bench accuracy": "kinetix bench accuracy --scenes joints --physics fast",
+    "bench everyday": "kinetix bench everyday",
+    "bench peers": "kinetix bench peers",
+    "bench scaling": "kinetix bench scaling",
+    "bench chart": "kinetix bench chart --physics none",
+    "cache": "kinetix cache --clear",
 }
 """By command, or command and sub-command."""
 
