@@ -122,17 +122,18 @@ def changed_outside(document: Document) -> bool:
 
 
 def nowhere(document: Document) -> bool:
-    """Return whether work that seems saved is in no file: that was replaced or removed.
+    """Return whether a level that seems saved is in no file: that was damaged, replaced or removed.
 
-    What was opened and never edited is no work of this window: another version took its place.
+    What was opened and never edited may be replaced by another version, but not by none.
     """
-    if document.dirty or not document.edited or not changed_outside(document):
+    if document.dirty or not changed_outside(document):
         return False
     assert document.path is not None
     try:
-        return not same_content(load_document(document.path).level, document.level)
+        theirs = load_document(document.path).level
     except KinetixError:
         return True
+    return document.edited and not same_content(theirs, document.level)
 
 
 def why_not(path: str | Path, error: LevelError) -> str:
@@ -160,6 +161,8 @@ def plain_reason(path: str | Path, error: LevelError) -> str:
         reason = reason.replace(", nor a bundled level of this name", "")
     if reason.startswith("expected UTF-8 text"):
         return "this is no text; a level is a text file in JSON"
+    if reason.startswith("expected a level:"):
+        return "this is JSON, but no level"
     if reason.startswith("not JSON"):
         return f"this is no level, or a damaged one: {reason}"
     return reason

@@ -185,7 +185,7 @@ def test_a_file_that_cannot_be_opened_is_told_until_it_is_read(session, tmp_path
     [
         ("bad.json", b'{"format": 1 2}', "this is no level, or a damaged one: not JSON, line 1"),
         ("bad.json", b"\x89\xcc", "this is no text; a level is a text file in JSON"),
-        ("bad.json", b"[]", 'expected a level: an object with "format"'),
+        ("bad.json", b"[]", "this is JSON, but no level"),
         ("empty.json", b"", "this file is empty"),
         ("bad.png", b"", "this is no level; a level is a file that ends in .json"),
         ("none.json", None, "there is no such file"),

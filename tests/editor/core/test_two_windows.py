@@ -64,6 +64,17 @@ def test_a_level_that_another_window_replaced_is_asked_about(path):
     assert session.quitting and level_hash(load_level(path)) == mine
 
 
+def test_a_level_whose_file_was_damaged_is_asked_about(path):
+    session = opened(path)
+    mine = session.document.hash
+    path.write_text("{")
+    actions.run(session, "file.quit")
+    assert not session.quitting
+    session.answer(session.prompts[-1], "save")
+    session.answer(session.prompts[-1], "mine")
+    assert session.quitting and level_hash(load_level(path)) == mine
+
+
 def test_a_tab_whose_file_was_replaced_is_asked_about(path, tmp_path):
     save_level(a_level(), tmp_path / "other.json")
     session = opened(tmp_path / "other.json", path)
