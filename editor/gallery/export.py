@@ -15,7 +15,7 @@ from kinetix.errors import LevelError
 from kinetix.files.atomic import write_with_backup
 from kinetix.level.codec import dumps, load_document
 from kinetix.level.model import Level, SizeName
-from kinetix.level.sets import DEFAULT_SPLIT, LoadedSet, SetLevel, build_set, save_set
+from kinetix.level.sets import DEFAULT_SPLIT, LoadedSet, SetLevel, build_set, draw_split, save_set
 
 Form = Literal["file", "folder"]
 
@@ -33,6 +33,28 @@ class SetPlan:
     """Seed of the split."""
     size: SizeName | None = None
     """Common capacity; None: the largest of each."""
+
+
+def plan_of(loaded: LoadedSet) -> SetPlan:
+    """Return a plan that writes a set as it is: name, size, and split if that was drawn.
+
+    Levels keep their part as long as they stay the same.
+    """
+    manifest, count = loaded.manifest, len(loaded.levels)
+    train = sum(each.split == "train" for each in loaded.levels)
+    return SetPlan(
+        name=manifest.name,
+        split=train / count if count else DEFAULT_SPLIT,
+        seed=manifest.seed,
+        size=manifest.size if isinstance(manifest.size, str) else None,
+    )
+
+
+def splits_alike(loaded: LoadedSet, plan: SetPlan) -> bool:
+    """Return whether a plan puts every level of a set into the part that it has there."""
+    hashes = [each.sha256 for each in loaded.levels]
+    drawn = draw_split(hashes, share=plan.split, seed=plan.seed)
+    return all(drawn[each.sha256] == each.split for each in loaded.levels)
 
 
 def export_set(levels: Mapping[Path, float], plan: SetPlan, target: Path) -> LoadedSet:

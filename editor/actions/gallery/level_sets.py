@@ -9,7 +9,7 @@ from editor.actions.gallery import gallery as browsing
 from editor.base.prompts import Choice, FileQuestion, Question
 from editor.documents.files import plain_reason
 from editor.gallery import filing
-from editor.gallery.export import SetPlan, export_set, unpack
+from editor.gallery.export import SetPlan, export_set, plan_of, splits_alike, unpack
 from editor.gallery.named_levels import set_name
 from editor.session import Session
 from editor.session.messages import Kind
@@ -81,6 +81,12 @@ def open_set(session: Session, path: Path) -> bool:
 
 def _take(session: Session, path: Path, loaded: LoadedSet) -> None:
     """Make the levels of a set those of the tray; asks where they have no files."""
+    plan = session.gallery.proposed = plan_of(loaded)
+    if not splits_alike(loaded, plan):
+        session.toast(
+            f"{path.name} is split by hand, or its levels were changed: an export splits it anew.",
+            "warning",
+        )
     # As the cards have them: a set names the levels beside it by way of `..`.
     files = {
         os.path.abspath(each.path): each.weight for each in loaded.levels if each.path is not None
@@ -89,6 +95,10 @@ def _take(session: Session, path: Path, loaded: LoadedSet) -> None:
         _ask_to_unpack(session, path, loaded)
     else:
         _replace(session, files, f"{plural(len(files), 'level')} of {set_name(path)}")
+
+
+def _points(sentences: list[str]) -> list[str]:
+    return [f"• {sentence}" for sentence in sentences]
 
 
 def _ask_for_others(session: Session, path: Path, loaded: LoadedSet, told: list[str]) -> None:
@@ -102,9 +112,9 @@ def _ask_for_others(session: Session, path: Path, loaded: LoadedSet, told: list[
     count = plural(len(told) + len(loaded.levels), "level")
     session.ask(
         Question(
-            title=f"Take the others of {path.name}?",
+            title=f"Take the other levels of {path.name}?",
             message="\n".join(
-                [f"{len(told)} of {count} cannot be opened:", *told[:MOST_TOLD], *more]
+                [f"{len(told)} of {count} cannot be opened:", *_points(told[:MOST_TOLD]), *more]
             ),
             choices=(
                 Choice(id="others", label="Take the Others"),
@@ -164,6 +174,7 @@ def weigh(session: Session, before: dict[str, float]) -> None:
 def empty_set(session: Session) -> None:
     """Take all levels out of the set."""
     count = len(session.gallery.tray)
+    session.gallery.proposed = SetPlan()
     _replace(session, {}, f"Took {plural(count, 'level')} out of the set")
 
 
@@ -192,7 +203,7 @@ def ask_export(session: Session) -> None:
     if not gallery.tray:
         session.complain("Choose the levels of the set first: Ctrl+A takes all that are shown.")
         return
-    gallery.plan = gallery.plan or SetPlan()
+    gallery.plan = gallery.plan or gallery.proposed
 
 
 def refused_in_set(session: Session) -> dict[str, str]:
@@ -275,6 +286,7 @@ def _exported(
     session: Session, path: Path, levels: dict[Path, float], plan: SetPlan, made: LoadedSet
 ) -> None:
     """Report what was written of these levels and their weights."""
+    session.gallery.proposed = plan
     doubles = len(levels) - len(made.levels)
     train = sum(each.split == "train" for each in made.levels)
     more = f", {doubles} left out because they equal others" if doubles else ""

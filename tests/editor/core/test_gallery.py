@@ -804,6 +804,27 @@ def test_an_exported_set_comes_back_into_the_tray(session, folder, tmp_path):
     assert session.gallery.tray == {str(tmp_path / "set" / "rocket.json"): 2.5}
 
 
+def test_a_set_that_is_taken_and_exported_again_keeps_its_name_and_split(session, tmp_path):
+    there = tmp_path / "there"
+    there.mkdir()
+    for index in range(8):
+        save_level(playable(f"Level {index}", 2 + 0.1 * index), there / f"{index}.json")
+    words = ["levelset", "build", str(there / "class.json"), "--split", ".5", "--seed", "3"]
+    assert main([*words, "--levels", str(there)]) == 0
+    level_sets.load_into_set(session, there / "class.json")
+    for name in ("again.json", "once_more.json"):
+        level_sets.ask_export(session)
+        level_sets.export_now(session)
+        session.answer(session.prompts[-1], tmp_path / name)
+        made, first = load_set(tmp_path / name), load_set(there / "class.json")
+        assert {each.sha256: each.split for each in made.levels} == {
+            each.sha256: each.split for each in first.levels
+        }
+        assert (made.manifest.name, made.manifest.seed) == ("class", 3)
+    level_sets.empty_set(session)
+    assert session.gallery.proposed == SetPlan()
+
+
 def test_a_set_that_is_dropped_on_the_window_comes_into_the_gallery(session, folder, tmp_path):
     export_set({folder / "rocket.json": 2.5}, SetPlan(form="folder"), tmp_path / "other")
     file = tmp_path / "other" / "set.json"
@@ -838,7 +859,7 @@ def test_a_set_with_a_damaged_level_gives_the_others(session, folder, tmp_path):
     (tmp_path / "class" / "other.json").write_text('{"format":')
     actions.handle(session, DropEvent(path=str(tmp_path / "class" / "set.json")))
     told = session.prompts[-1].message
-    assert "\nother.json: this is no level, or a damaged one" in told
+    assert "\n• other.json: this is no level, or a damaged one" in told
     assert str(tmp_path) not in told and "$" not in told
     session.answer(session.prompts[-1], "others")
     assert session.gallery.tray == {str(tmp_path / "class" / "rocket.json"): 2.5}
