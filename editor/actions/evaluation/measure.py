@@ -53,15 +53,31 @@ def levels_named(session: Session, sources: tuple[str, ...]) -> list[tuple[Evalu
         else:
             level = document.level
             return [(EvaluatedLevel(name=level.name, source=level), document.hash)]
+    levels = gather_levels([_name_of(Path(source)) for source in sources])
     return [
         (
             EvaluatedLevel(
-                name=level.name, source=level.level if level.path is None else str(level.path)
+                name=name, source=level.level if level.path is None else str(level.path)
             ),
             level.sha256,
         )
-        for level in gather_levels([_name_of(Path(source)) for source in sources])
+        for name, level in zip(
+            _without_folder([level.name for level in levels]), levels, strict=True
+        )
     ]
+
+
+def _without_folder(names: list[str]) -> list[str]:
+    """Return names without the folder that all whole paths among them have in common.
+
+    A table is handed on; it does not tell where somebody keeps their files.
+    """
+    whole = [name for name in names if os.path.isabs(name)]
+    if not whole:
+        return names
+    folder = os.path.commonpath([os.path.dirname(name) for name in whole])
+    short = [os.path.relpath(name, folder) if name in whole else name for name in names]
+    return short if len(set(short)) == len(names) else names
 
 
 def sources_asked(session: Session) -> tuple[str, ...]:

@@ -985,6 +985,13 @@ def test_levels_are_named_as_on_the_command_line(session, tmp_path):
     found = measure.levels_named(session, chosen)
     assert [level.name for level, _ in found] == ["s/hang_on", "s/plank_dash"]
     assert measure.levels_named(session, (str(levels_dir() / "s"),))[0][0].name == "circus_act"
+    # Tables do not tell where somebody keeps their files.
+    mine = (tmp_path / "one.json", tmp_path / "more" / "two.json")
+    mine[1].parent.mkdir()
+    for path in mine:
+        save_level(session.document.level, path)
+    found = measure.levels_named(session, (*map(str, mine), "s/goalkeeper"))
+    assert [level.name for level, _ in found] == ["one", "more/two", "s/goalkeeper"]
 
 
 def values(watched, name):
