@@ -1,7 +1,7 @@
 """The open documents as tabs over the canvas, and what there is to say about the one in front."""
 
 import contextlib
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Final
 
 from imgui_bundle import imgui
@@ -10,6 +10,7 @@ from editor import actions
 from editor.actions.files import file
 from editor.actions.files.tab_menu import open_tab_menu
 from editor.base.language import tr
+from editor.documents.document import Document
 from editor.toolkit import widgets
 from editor.toolkit.appearance import COLOURS, SMALL, Icons, alpha
 from editor.toolkit.widgets import px
@@ -66,12 +67,13 @@ class DocumentTabs:
     def _tabs(self, session: "Session") -> None:
         brought = self._front is not session.tab
         front = session.tabs.index_in_front
-        for index, tab in enumerate(list(session.tabs)):
+        names = _told_apart([tab.document for tab in session.tabs])
+        for index, (tab, name) in enumerate(zip(list(session.tabs), names, strict=True)):
             document = tab.document
             flags = imgui.TabItemFlags_.unsaved_document.value if document.dirty else 0
             if brought and index == session.tabs.index_in_front:
                 flags |= imgui.TabItemFlags_.set_selected.value
-            title, short = document.title, widgets.shortened(document.title)
+            title, short = document.title, widgets.shortened(name)
             opened, kept = imgui.begin_tab_item(
                 widgets.labelled(short, f"tab-{id(tab)}"), True, flags
             )
@@ -139,6 +141,20 @@ class DocumentTabs:
                     if widgets.button(session, f"outside.{name}", action.label):
                         session.queue(name)
                 widgets.tooltip(action.label, action.tooltip)
+
+
+def _told_apart(documents: Sequence[Document]) -> list[str]:
+    """Return what tabs are called: equal titles with the folder of their file, or a number."""
+    titles = [document.title for document in documents]
+    names = []
+    for index, document in enumerate(documents):
+        name, number = titles[index], titles[: index + 1].count(titles[index])
+        if document.path is not None and titles.count(name) > 1:
+            name = f"{name} · {document.path.parent.name}"
+        elif document.path is None and number > 1:
+            name = f"{name} {number}"
+        names.append(name)
+    return names
 
 
 def _scroll_to_front() -> None:

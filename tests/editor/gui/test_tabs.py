@@ -7,6 +7,7 @@ from editor.base import language
 from editor.documents.commands.fields import SetLevelField
 from editor.documents.document import Document
 from editor.toolkit.widgets import px
+from editor.window.panels.tabs import _told_apart
 from kinetix.level.model import Level
 from kinetix.paths import levels_dir
 
@@ -44,6 +45,21 @@ def test_a_level_without_a_name_is_called_so_in_the_language_of_the_app(gui):
     assert gui.level.name == "Untitled"
     language.use("en")
     assert titles(gui) == ["Untitled"]
+
+
+def test_levels_of_one_name_are_told_apart(tmp_path):
+    documents = [
+        Document(Level(name="Untitled")),
+        Document(Level(name="Same"), path=tmp_path / "mine" / "same.json"),
+        Document(Level(name="Untitled")),
+        Document(Level(name="Same"), path=tmp_path / "yours" / "same.json"),
+    ]
+    assert _told_apart(documents) == [
+        "Untitled",
+        "same.json · mine",
+        "Untitled 2",
+        "same.json · yours",
+    ]
 
 
 def test_closing_a_tab_leaves_the_one_in_front_that_took_its_place(gui):
