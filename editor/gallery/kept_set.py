@@ -8,8 +8,8 @@ from editor.base.settings import merged_keys
 from editor.base.state_file import Kept, alone, read_state, write_state
 from kinetix.files.names import is_text
 
-WEIGHTS: Final = (0.01, 100.0)
-"""The least and the greatest weight of a level."""
+WEIGHTS: Final = (1e-6, 1e6)
+"""The least and the greatest weight of a level, as in files of sets."""
 
 
 class KeptSet(Kept):

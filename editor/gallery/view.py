@@ -52,7 +52,7 @@ class GalleryView:
     tray_before: dict[str, float] | None = None
     """The set that was there before the last one that took its place as a whole."""
     proposed: SetPlan = dataclasses.field(default_factory=SetPlan)
-    """What the next export begins with: the form of the set as it was taken or written last."""
+    """Form that the next export begins with: that of the set that was taken or written last."""
     plan: SetPlan | None = None
     """Form of the export, while that is being asked."""
     exporting: Path | None = None

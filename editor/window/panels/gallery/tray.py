@@ -116,7 +116,10 @@ class SetTray:
         widgets.probe(session, f"gallery.weight.{name}")
         if imgui.is_item_activated():
             self._before = dict(tray)
-        widgets.tooltip("Weight", "How often training draws it, compared with the others.")
+        widgets.tooltip(
+            "Weight",
+            "How often training draws it, compared with the others: .000001 to a million.",
+        )
         if changed:
             tray[path] = weight
         if imgui.is_item_deactivated_after_edit():
