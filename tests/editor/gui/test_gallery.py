@@ -276,6 +276,13 @@ def test_levels_are_filtered_by_who_solved_them(gallery):
     assert not [toast for toast in session.toasts if toast.kind == "error"]
 
 
+def test_chosen_levels_are_evaluated_from_beside_them(gallery):
+    gallery.click("gallery.card.rocket")
+    gallery.click("gallery.evaluate")
+    gallery.frames(4)
+    assert any("Choose an agent first" in toast.text for toast in gallery.session.toasts)
+
+
 def test_a_weight_is_typed_after_one_click_and_stays_within_its_limits(gallery):
     gallery.click("gallery.card.rocket")
     gallery.key("ctrl+shift+a")

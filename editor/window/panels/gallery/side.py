@@ -77,6 +77,8 @@ class Side:
         buttons = (
             ("gallery.open", "Open", Icons.open),
             ("gallery.add_to_set", "Add to the set", Icons.reorder),
+            ("gallery.evaluate", "Evaluate", Icons.trophy),
+            ("gallery.train", "Train on Them", Icons.training),
             ("gallery.rename", "Rename…", Icons.rename),
             ("gallery.duplicate", "Duplicate", Icons.duplicate),
             ("gallery.move_to", "Move to…", Icons.folder),
