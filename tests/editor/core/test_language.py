@@ -217,6 +217,8 @@ FROM_ELSEWHERE = {
     "is a directory",
     "no such file or directory",
     "not a directory",
+    "permission denied",
+    "read-only file system",
     "it can play, but this level is of a size with",
     "it cannot play this level: it sees one size only, and this level is of a size with",
     "it cannot play this level: it sees one size only, and this level has",
