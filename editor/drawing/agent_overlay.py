@@ -50,6 +50,10 @@ _BAR: Final = 60.0
 """A bar that is no longer beside its name and number stands under them [px at 100 %]."""
 
 
+RING: Final = 22.0
+"""Radius of the ring on a joint with its arrow [px at 100 %]."""
+
+
 def lean_colour(value: float) -> Rgba:
     """Return a diverging scale: −1 blue, 0 white, +1 red."""
     end = _FORWARD if value > 0 else _BACKWARD

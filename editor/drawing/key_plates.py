@@ -1,6 +1,7 @@
 """The keys that drive a joint or thruster, drawn beside it."""
 
 import dataclasses
+import math
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from typing import Final, TypeAlias
 
@@ -38,7 +39,7 @@ class CapPlace:
     high: Point
 
 
-def paint_key_caps(
+def paint_key_caps(  # noqa: PLR0913 - keys give way to that much
     painter: Painter,
     where: Placement,
     keys: Mapping[str, Drive],
@@ -47,6 +48,7 @@ def paint_key_caps(
     hidden: Collection[EntityId] = (),
     pointed: Collection[EntityId] = (),
     avoid: Sequence[Body] = (),
+    ring: float = 0.0,
 ) -> tuple[CapPlace, ...]:
     """Draw the keys that drive each joint and thruster beside it; held ones are lit.
 
@@ -61,6 +63,7 @@ def paint_key_caps(
         hidden: Entities whose keys are not drawn.
         pointed: Entities whose keys are drawn in full size, whatever the zoom.
         avoid: Shapes that the keys keep off, where there is room beside them.
+        ring: Radius of what is drawn around every joint and thruster, and stays in sight [px].
 
     Returns:
         Where they were drawn.
@@ -72,13 +75,15 @@ def paint_key_caps(
     room, places = Room(), []
     covered = _covering(painter, avoid)
     usual = min(px(_CAP_PX), _CAP * painter.camera.scale)
+    # A place as far to the side as up lies outside of the ring.
+    away = max(px(8) * max(usual / px(_CAP_PX), 0.6), ring / math.sqrt(2))
     small = usual < px(_CAP_PX) * 0.5 and usual < _CAP_LEAST_PX
     for entity, at, caps in wanted:
         full = entity in pointed
         if small and not full:
             continue
         height = px(_CAP_PX) if full else usual
-        place = _plates(painter.draw, at, caps, (height, usual), room, covered, must=full)
+        place = _plates(painter.draw, at, caps, (height, usual, away), room, covered, must=full)
         if place is not None:
             places.append(CapPlace(entity=entity, low=place[0], high=place[1]))
     return tuple(places)
@@ -126,7 +131,7 @@ def _plates(
     draw: imgui.ImDrawList,
     at: Point,
     caps: Sequence[tuple[str, bool]],
-    heights: tuple[float, float],
+    lengths: tuple[float, float, float],
     room: Room,
     covered: Covered,
     *,
@@ -134,16 +139,15 @@ def _plates(
 ) -> tuple[Point, Point] | None:
     """Draw a row of plates beside a place, where there is room; returns its corners [px].
 
-    Of the heights, the first is drawn. The other, which most plates have, chooses the place: one
-    that grows under the pointer stays there.
+    Of the lengths, the first is the height that is drawn. The second, which most plates have,
+    chooses the place: one that grows under the pointer stays there. The third is how far away.
     """
-    height, usual = heights
+    height, usual, away = lengths
     with font(FONTS.bold, (SMALL - 2) * height / px(_CAP_PX)):
         sizes = [imgui.calc_text_size(words) for words, _ in caps]
         widths = [max(size.x + 8 * height / _CAP_PX, height) for size in sizes]
         gap = 2 * height / _CAP_PX
         width = sum(widths) + gap * (len(widths) - 1)
-        away = px(8) * max(usual / px(_CAP_PX), 0.6)
         spots = _spots(at, away, (width, height))
         share = usual / height
         sparing = _spots(at, away, (width * share, usual))

@@ -12,7 +12,14 @@ from imgui_bundle import imgui
 from editor.base.camera import ARENA, Camera
 from editor.base.language import tr
 from editor.documents.commands.bodies import posed
-from editor.drawing.agent_overlay import Room, paint_ghost, paint_heat, paint_numbers, paint_reason
+from editor.drawing.agent_overlay import (
+    RING,
+    Room,
+    paint_ghost,
+    paint_heat,
+    paint_numbers,
+    paint_reason,
+)
 from editor.drawing.confetti import paint_confetti
 from editor.drawing.debug_draw import paint_debug
 from editor.drawing.futures_overlay import paint_futures
@@ -158,6 +165,9 @@ class Canvas:
         editing = session.editing
         hidden = session.document.hidden if editing else ()
         pointed = () if session.hovered is None else (session.hovered,)
+        snapshot = None if editing else session.playback.snapshot
+        ringed = snapshot is not None and snapshot.mind is not None
+        ringed = ringed and "heat" in session.settings.agent_overlay
         self.caps = paint_key_caps(
             painter,
             where,
@@ -167,6 +177,7 @@ class Canvas:
             pointed=(*pointed, *session.selection, *session.highlighted) if editing else (),
             # In Play they would jump about as the shapes move; nobody clicks them there.
             avoid=[b for b in where.level.bodies if b.id not in hidden] if editing else (),
+            ring=px(RING) if ringed else 0.0,
         )
 
     def _edit_marks(self, session: "Session", marker: Marker) -> None:
