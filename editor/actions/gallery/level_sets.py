@@ -81,12 +81,6 @@ def open_set(session: Session, path: Path) -> bool:
 
 def _take(session: Session, path: Path, loaded: LoadedSet) -> None:
     """Make the levels of a set those of the tray; asks where they have no files."""
-    plan = session.gallery.proposed = plan_of(loaded)
-    if not splits_alike(loaded, plan):
-        session.toast(
-            f"{path.name} is split by hand, or its levels were changed: an export splits it anew.",
-            "warning",
-        )
     # As the cards have them: a set names the levels beside it by way of `..`.
     files = {
         os.path.abspath(each.path): each.weight for each in loaded.levels if each.path is not None
@@ -95,10 +89,17 @@ def _take(session: Session, path: Path, loaded: LoadedSet) -> None:
         _ask_to_unpack(session, path, loaded)
     else:
         _replace(session, files, f"{plural(len(files), 'level')} of {set_name(path)}")
+        _propose(session, path, loaded)
 
 
-def _points(sentences: list[str]) -> list[str]:
-    return [f"• {sentence}" for sentence in sentences]
+def _propose(session: Session, path: Path, loaded: LoadedSet) -> None:
+    """Let the next export begin with the form of the set that was taken."""
+    plan = session.gallery.proposed = plan_of(loaded)
+    if not splits_alike(loaded, plan):
+        session.toast(
+            f"{path.name} is split by hand, or its levels were changed: an export splits it anew.",
+            "warning",
+        )
 
 
 def _ask_for_others(session: Session, path: Path, loaded: LoadedSet, told: list[str]) -> None:
@@ -114,7 +115,11 @@ def _ask_for_others(session: Session, path: Path, loaded: LoadedSet, told: list[
         Question(
             title=f"Take the other levels of {path.name}?",
             message="\n".join(
-                [f"{len(told)} of {count} cannot be opened:", *_points(told[:MOST_TOLD]), *more]
+                [
+                    f"{len(told)} of {count} cannot be opened:",
+                    *(f"• {sentence}" for sentence in told[:MOST_TOLD]),
+                    *more,
+                ]
             ),
             choices=(
                 Choice(id="others", label="Take the Others"),
@@ -136,6 +141,7 @@ def _ask_to_unpack(session: Session, path: Path, loaded: LoadedSet) -> None:
             return
         files = {str(file): weight for file, weight in unpack(loaded, folder).items()}
         _replace(session, files, f"{plural(len(files), 'level')} in {folder}", "success")
+        _propose(session, path, loaded)
         browsing.look(session)
 
     session.ask(
