@@ -155,7 +155,7 @@ def held(
 
 
 def joint_system(
-    step: Step, position: Vec, rotation: Float[Array, "b n"], spin: Float[Array, "b n"]
+    step: Step, position: Vec, rotation: Float[Array, "b n"], spin: Float[Array, "b n"] | None
 ) -> JointSystem:
     """Return the joints at a pose, ready to be solved.
 
@@ -163,20 +163,21 @@ def joint_system(
         step: The worlds, what drives them, and the masses.
         position: Of all bodies [m].
         rotation: Of all bodies [rad].
-        spin: Angular velocity of all bodies [rad/s].
+        spin: Angular velocity of all bodies [rad/s]; None at the start of the step.
     """
     held, store, joints = step.held, step.store, step.world.joints
     in_use = held.links.in_use
     ((_, each),) = in_use.groups
-    (place_a, angle_a, spin_a), (place_b, angle_b, spin_b) = held.links.look_up(
-        (position, rotation, spin)
-    )
+    (place_a, angle_a), (place_b, angle_b) = held.links.look_up((position, rotation))
     arm_a = rotate(jnp.cos(angle_a), jnp.sin(angle_a), vec(joints.anchor_a))
     arm_b = rotate(jnp.cos(angle_b), jnp.sin(angle_b), vec(joints.anchor_b))
     gap = place_b - place_a + arm_b - arm_a
     angle = angle_b - angle_a - joints.reference_angle
     zero, one = jnp.zeros_like(angle), jnp.ones_like(angle)
-    compliance = zero if held.motors is None else held.motors.later(angle, spin_b - spin_a)
+    compliance = zero if held.motors is None else held.motors.compliance
+    if held.motors is not None and spin is not None:
+        spin_a, spin_b = held.links.look_up(spin)
+        compliance = held.motors.later(angle, spin_b - spin_a)
     angle = jnp.where(joints.fixed, angle, 0)
 
     def column(x: Array, y: Array, turn: Array) -> Array:

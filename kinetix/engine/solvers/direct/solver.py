@@ -128,7 +128,7 @@ class Direct(AbstractSolver):
         )
         velocity = Velocity(linear=vec(state.velocity), angular=state.angular_velocity)
         position = vec(state.position)
-        joints = joint_system(this, position, state.rotation, velocity.angular)
+        joints = joint_system(this, position, state.rotation, None)
         system, gap = contact_system(this, state, found, joints, self.block, bears)
         start = Phase(
             position=position,
